@@ -1,0 +1,289 @@
+//! What can be wrong with a body: which element, which value, and what would be right.
+
+use super::net::{Net, Spring};
+use crate::math::{Real, Vector};
+
+/// Why a body can't be built or inserted.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// The net has no node.
+    #[error("the body has no nodes; a net needs at least one")]
+    Empty,
+    /// A node's value is out of range.
+    #[error("node {node}: {what} is {value}, it must be {must}")]
+    Node {
+        /// Index of the node.
+        node: u32,
+        /// Name of the value.
+        what: &'static str,
+        /// The value.
+        value: Real,
+        /// What it must be.
+        must: &'static str,
+    },
+    /// A node's position or velocity is not finite.
+    #[error("node {node}: {what} is {value}, it must be finite")]
+    NodeVector {
+        /// Index of the node.
+        node: u32,
+        /// Name of the value.
+        what: &'static str,
+        /// The value.
+        value: Vector,
+    },
+    /// A node has neither a mass nor a volume and a density.
+    #[error(
+        "node {node} has no mass; give `Node::mass` in kg, or a volume and a material, or a total mass"
+    )]
+    Massless {
+        /// Index of the node.
+        node: u32,
+    },
+    /// A spring's value is out of range.
+    #[error("spring {spring}: {what} is {value}, it must be {must}")]
+    Spring {
+        /// Index of the spring.
+        spring: u32,
+        /// Name of the value.
+        what: &'static str,
+        /// The value.
+        value: Real,
+        /// What it must be.
+        must: &'static str,
+    },
+    /// A spring joins a node to itself.
+    #[error("spring {spring} joins node {node} to itself")]
+    SelfSpring {
+        /// Index of the spring.
+        spring: u32,
+        /// Its node.
+        node: u32,
+    },
+    /// A spring, a face or a skin names a node that does not exist.
+    #[error("{what} {index} names node {node}, but the body has {count} nodes (0 to {})", count - 1)]
+    IndexOutOfRange {
+        /// "spring", "face" or "skin vertex".
+        what: &'static str,
+        /// Index of the element.
+        index: u32,
+        /// The node it names.
+        node: u32,
+        /// How many nodes there are.
+        count: u32,
+    },
+    /// A spring made from a section has no material to take its constants from.
+    #[error(
+        "spring {spring} has a section of {section} m² but the body has no material; call `.material(..)` or set its stiffness"
+    )]
+    NoMaterial {
+        /// Index of the spring.
+        spring: u32,
+        /// Its section.
+        section: Real,
+    },
+    /// A value of the builder or of a material is out of range.
+    #[error("{what} is {value}, it must be {must}")]
+    Value {
+        /// Name of the value.
+        what: &'static str,
+        /// The value.
+        value: f64,
+        /// What it must be.
+        must: &'static str,
+    },
+    /// The surface has an edge that does not belong to exactly two triangles.
+    #[error(
+        "the surface is not closed: the edge of vertices {a} and {b} belongs to {triangles} triangle(s), it must belong to exactly two that run along it in opposite directions"
+    )]
+    OpenSurface {
+        /// One end of the edge.
+        a: u32,
+        /// The other end.
+        b: u32,
+        /// How many triangles use it.
+        triangles: u32,
+    },
+    /// Two triangles of the surface cross each other.
+    #[error("the surface crosses itself: triangles {first} and {second} intersect")]
+    SelfIntersecting {
+        /// Index of one triangle.
+        first: u32,
+        /// Index of the other.
+        second: u32,
+    },
+    /// A triangle without area.
+    #[error("triangle {triangle} of the surface has no area ({area} m²)")]
+    FlatTriangle {
+        /// Index of the triangle.
+        triangle: u32,
+        /// Its area.
+        area: Real,
+    },
+    /// No stable substep fits the budget.
+    #[error(
+        "spring {spring} (k = {stiffness} N/m, c = {damping} N·s/m, between {mass_a} kg and {mass_b} kg) needs substeps of {needed_h:e} s, shorter than the {min_h:e} s allowed; lower its stiffness or damping, make its nodes heavier, or allow more substeps with `Substeps`"
+    )]
+    Unstable {
+        /// The worst spring.
+        spring: u32,
+        /// Its stiffness \[N/m\].
+        stiffness: Real,
+        /// Its damping \[N·s/m\].
+        damping: Real,
+        /// Mass of its first node \[kg\].
+        mass_a: Real,
+        /// Mass of its second node \[kg\].
+        mass_b: Real,
+        /// The longest stable substep \[s\].
+        needed_h: f64,
+        /// The shortest substep the budget allows \[s\].
+        min_h: f64,
+    },
+    /// The integrator is unstable at any substep for an undamped body.
+    #[error(
+        "{integrator} is not stable at any substep for spring {spring}, which has no damping; choose another integrator, or `Substeps::Unchecked` to see it grow"
+    )]
+    NeverStable {
+        /// Name of the scheme.
+        integrator: &'static str,
+        /// An undamped spring.
+        spring: u32,
+    },
+}
+
+const POSITIVE: &str = "a positive finite number";
+const NOT_NEGATIVE: &str = "a finite number, zero or more";
+const POSITIVE_OR_INFINITE: &str = "positive (infinite for never)";
+
+/// The part of [`BuildError`] that needs no material.
+pub(super) fn check_net(net: &Net) -> Result<(), BuildError> {
+    if net.nodes.is_empty() {
+        return Err(BuildError::Empty);
+    }
+    let count = net.nodes.len() as u32;
+    let index = |what, index: usize, nodes: &[u32]| match nodes.iter().find(|&&n| n >= count) {
+        Some(&node) => Err(BuildError::IndexOutOfRange {
+            what,
+            index: index as u32,
+            node,
+            count,
+        }),
+        None => Ok(()),
+    };
+    for (i, node) in net.nodes.iter().enumerate() {
+        let node_id = i as u32;
+        for (what, value) in [("position", node.position), ("velocity", node.linvel)] {
+            if !value.is_finite() {
+                return Err(BuildError::NodeVector {
+                    node: node_id,
+                    what,
+                    value,
+                });
+            }
+        }
+        for (what, value) in [("mass", node.mass), ("volume", node.volume)] {
+            if !(value.is_finite() && value >= 0.0) {
+                return Err(BuildError::Node {
+                    node: node_id,
+                    what,
+                    value,
+                    must: NOT_NEGATIVE,
+                });
+            }
+        }
+    }
+    for (i, spring) in net.springs.iter().enumerate() {
+        index("spring", i, &spring.nodes)?;
+        check_spring(net, i as u32, spring)?;
+    }
+    for (i, face) in net.faces.iter().enumerate() {
+        index("face", i, face)?;
+    }
+    if let Some(skin) = &net.skin {
+        for (i, binding) in skin.bindings.iter().enumerate() {
+            index("skin vertex", i, &binding.nodes)?;
+        }
+    }
+    Ok(())
+}
+
+fn check_spring(net: &Net, id: u32, spring: &Spring) -> Result<(), BuildError> {
+    let [a, b] = spring.nodes;
+    if a == b {
+        return Err(BuildError::SelfSpring {
+            spring: id,
+            node: a,
+        });
+    }
+    let bad = |what, value, must| BuildError::Spring {
+        spring: id,
+        what,
+        value,
+        must,
+    };
+    let length = spring.rest_length.unwrap_or_else(|| net.length(spring));
+    if !(length.is_finite() && length > 0.0) {
+        return Err(bad("rest length", length, POSITIVE));
+    }
+    for (what, value) in [
+        ("section", spring.section),
+        ("stiffness", spring.stiffness),
+        ("damping", spring.damping),
+        ("hardening", spring.hardening),
+    ] {
+        if !(value.is_finite() && value >= 0.0) {
+            return Err(bad(what, value, NOT_NEGATIVE));
+        }
+    }
+    for (what, value) in [
+        ("yield tension", spring.yield_tension),
+        ("yield compression", spring.yield_compression),
+        ("break force", spring.break_force),
+        ("break strain", spring.break_strain),
+    ] {
+        if value.is_nan() || value <= 0.0 {
+            return Err(bad(what, value, POSITIVE_OR_INFINITE));
+        }
+    }
+    Ok(())
+}
+
+/// `value` if it is positive and finite, else the error that names it.
+pub(crate) fn positive(what: &'static str, value: f64) -> Result<f64, BuildError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(BuildError::Value {
+            what,
+            value,
+            must: POSITIVE,
+        })
+    }
+}
+
+/// `value` if it is finite and not negative, else the error that names it.
+pub(crate) fn not_negative(what: &'static str, value: f64) -> Result<f64, BuildError> {
+    if value.is_finite() && value >= 0.0 {
+        Ok(value)
+    } else {
+        Err(BuildError::Value {
+            what,
+            value,
+            must: NOT_NEGATIVE,
+        })
+    }
+}
+
+/// `value` if it is positive, infinity included, else the error that names it.
+pub(crate) fn positive_or_infinite(what: &'static str, value: f64) -> Result<f64, BuildError> {
+    if value > 0.0 {
+        Ok(value)
+    } else {
+        Err(BuildError::Value {
+            what,
+            value,
+            must: POSITIVE_OR_INFINITE,
+        })
+    }
+}

@@ -1,0 +1,26 @@
+//! Dense ids. They count from 0 in the order of insertion and never change: a broken spring keeps its id, so that
+//! recordings, events and plots stay joinable.
+
+/// A node of one body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub struct NodeId(pub u32);
+
+/// A spring of one body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub struct SpringId(pub u32);
+
+impl NodeId {
+    /// The id as an index into per-node slices.
+    #[inline]
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+impl SpringId {
+    /// The id as an index into per-spring slices.
+    #[inline]
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}

@@ -1,0 +1,121 @@
+//! Rapier's own math types, their `f64` twins, and the scalar the laws are generic over.
+//!
+//! State is `f32` because Rapier's is; sums, rigid shadows and rows are `f64`. Laws and integrators are generic over
+//! [`Scalar`] so that their orders and growth factors can be tested in `f64`, where rounding does not hide them.
+
+pub use rapier3d::math::glamx::{DMat3, DQuat, DVec3};
+pub use rapier3d::math::{Pose, Real, Rotation, Vector};
+
+use std::fmt::Debug;
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+/// The floating-point type of a law, an integrator or a spring solver: `f32` or `f64`.
+pub trait Scalar:
+    Copy
+    + Debug
+    + Default
+    + PartialOrd
+    + Send
+    + Sync
+    + 'static
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+{
+    /// 0.
+    const ZERO: Self;
+    /// 1.
+    const ONE: Self;
+    /// Positive infinity: the yield or break force of a spring that never yields or breaks.
+    const INFINITY: Self;
+    /// The nearest value to `x`.
+    fn of(x: f64) -> Self;
+    /// The same value as `f64`.
+    fn f64(self) -> f64;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// Absolute value.
+    fn abs(self) -> Self;
+    /// The larger of two; the other where one is NaN.
+    fn max(self, other: Self) -> Self;
+    /// The smaller of two; the other where one is NaN.
+    fn min(self, other: Self) -> Self;
+    /// Neither NaN nor infinite.
+    fn is_finite(self) -> bool;
+}
+
+macro_rules! scalar {
+    ($t:ty) => {
+        impl Scalar for $t {
+            const ZERO: Self = 0.0;
+            const ONE: Self = 1.0;
+            const INFINITY: Self = <$t>::INFINITY;
+            #[inline(always)]
+            fn of(x: f64) -> Self {
+                x as $t
+            }
+            #[inline(always)]
+            fn f64(self) -> f64 {
+                self as f64
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                self.sqrt()
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                self.abs()
+            }
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                <$t>::max(self, other)
+            }
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                <$t>::min(self, other)
+            }
+            #[inline(always)]
+            fn is_finite(self) -> bool {
+                <$t>::is_finite(self)
+            }
+        }
+    };
+}
+scalar!(f32);
+scalar!(f64);
+
+/// `a + b` and what rounding took from it (Knuth's two-sum): `a + b == sum + error` exactly.
+#[inline(always)]
+pub fn two_sum<S: Scalar>(a: S, b: S) -> (S, S) {
+    let sum = a + b;
+    let b_part = sum - a;
+    (sum, (a - (sum - b_part)) + (b - b_part))
+}
+
+/// A Rapier vector in `f64`.
+#[inline(always)]
+pub fn wide(v: Vector) -> DVec3 {
+    v.as_dvec3()
+}
+
+/// An `f64` vector rounded to Rapier's scalar.
+#[inline(always)]
+pub fn narrow(v: DVec3) -> Vector {
+    v.as_vec3()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_sum_loses_nothing() {
+        let (sum, error) = two_sum(1.0e8_f32, 1.25);
+        assert_eq!(sum as f64 + error as f64, 1.0e8 + 1.25);
+        assert_ne!(error, 0.0, "the example must be one that rounds");
+    }
+}
