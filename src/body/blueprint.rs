@@ -1,0 +1,101 @@
+//! A blueprint: the fixed part of a body, a net whose every constant has been resolved.
+
+use super::error::positive;
+use super::net::{Net, Node, Skin, Spring};
+use super::state::State;
+use super::{BuildError, Material};
+use crate::law::spring::of_section;
+use crate::math::{Real, Vector};
+
+/// Topology and constants of a body. Nodes have their mass, springs their rest length and constants.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Blueprint {
+    /// The nodes, in their rest configuration.
+    pub nodes: Vec<Node>,
+    /// The springs.
+    pub springs: Vec<Spring>,
+    /// Surface triangles.
+    pub faces: Vec<[u32; 3]>,
+    /// The surface for pictures.
+    pub skin: Option<Skin>,
+}
+
+impl Blueprint {
+    /// Resolves a net: `material_at` gives the material at a point of the rest configuration, `total_mass` \[kg\]
+    /// rescales all masses.
+    ///
+    /// # Errors
+    /// Every [`BuildError`] a net can have, a material out of range, and a node or spring whose constants stay unknown.
+    pub fn resolve(
+        net: Net,
+        material_at: impl Fn(Vector) -> Option<Material>,
+        total_mass: Option<Real>,
+    ) -> Result<Self, BuildError> {
+        net.check()?;
+        let mut springs = net.springs.clone();
+        for (id, spring) in springs.iter_mut().enumerate() {
+            let length = spring.rest_length.unwrap_or_else(|| net.length(spring));
+            spring.rest_length = Some(length);
+            if spring.section > 0.0 {
+                let [a, b] = spring.nodes;
+                let middle =
+                    (net.nodes[a as usize].position + net.nodes[b as usize].position) * 0.5;
+                let material = material_at(middle).ok_or(BuildError::NoMaterial {
+                    spring: id as u32,
+                    section: spring.section,
+                })?;
+                material.check()?;
+                apply(&material, spring, length);
+            }
+        }
+        let mut nodes = net.nodes;
+        for (id, node) in nodes.iter_mut().enumerate() {
+            if node.mass == 0.0 {
+                let density = material_at(node.position).map_or(
+                    // A total mass alone shares itself by volume.
+                    if total_mass.is_some() { 1.0 } else { 0.0 },
+                    |m| m.density,
+                );
+                node.mass = density * node.volume;
+            }
+            if !(node.mass.is_finite() && node.mass > 0.0) {
+                return Err(BuildError::Massless { node: id as u32 });
+            }
+        }
+        if let Some(total) = total_mass {
+            positive("the total mass", total.into())?;
+            let sum: f64 = nodes.iter().map(|n| f64::from(n.mass)).sum();
+            for node in &mut nodes {
+                node.mass = (f64::from(node.mass) * f64::from(total) / sum) as Real;
+            }
+        }
+        Ok(Self {
+            nodes,
+            springs,
+            faces: net.faces,
+            skin: net.skin,
+        })
+    }
+
+    /// The state at rest: no flow, nothing broken, the nodes' own velocities.
+    pub fn rest_state(&self) -> State<Real> {
+        State::new(
+            self.nodes.iter().map(|n| {
+                let inv_mass = if n.pinned { 0.0 } else { 1.0 / n.mass };
+                (n.position.to_array(), n.linvel.to_array(), inv_mass)
+            }),
+            self.springs.iter().map(|s| s.rest_length.unwrap_or(0.0)),
+        )
+    }
+}
+
+fn apply(material: &Material, spring: &mut Spring, length: Real) {
+    let section = spring.section;
+    spring.stiffness = of_section(material.young, section, length);
+    spring.damping = of_section(material.viscosity, section, length);
+    spring.yield_tension = material.yield_tension * section;
+    spring.yield_compression = material.yield_compression * section;
+    spring.hardening = of_section(material.hardening, section, length);
+    spring.break_force = material.strength * section;
+    spring.break_strain = material.break_strain;
+}

@@ -1,0 +1,6 @@
+//! Contact of nodes with Rapier's colliders: which colliders can be met, how far a node is from each, and the rows that
+//! follow.
+
+pub mod candidates;
+pub mod distance;
+pub mod target;

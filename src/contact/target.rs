@@ -1,0 +1,127 @@
+//! Which colliders a deformable may touch, by Rapier's own rules, and how they are seen.
+
+use super::distance::Primitive;
+use crate::math::{DMat3, DQuat, DVec3, Real, Rotation};
+use crate::solve::shadow::Shadow;
+use rapier3d::dynamics::{CoefficientCombineRule, RigidBody, RigidBodyHandle, RigidBodySet, RigidBodyType};
+use rapier3d::geometry::{Collider, ColliderHandle, InteractionGroups};
+
+/// How a deformable's surface behaves in contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surface {
+    /// Coulomb's μ of this side.
+    pub friction: Real,
+    /// How it combines with the collider's; the stronger rule wins, as everywhere in Rapier.
+    pub friction_combine_rule: CoefficientCombineRule,
+    /// Which colliders it meets.
+    pub collision_groups: InteractionGroups,
+}
+
+impl Default for Surface {
+    fn default() -> Self {
+        Self {
+            friction: 0.5,
+            friction_combine_rule: CoefficientCombineRule::Average,
+            collision_groups: InteractionGroups::all(),
+        }
+    }
+}
+
+/// A collider that a deformable may touch in this step.
+#[derive(Clone, Copy, Debug)]
+pub struct Target {
+    /// The collider.
+    pub collider: ColliderHandle,
+    /// Its rigid body, if it has one.
+    pub body: Option<RigidBodyHandle>,
+    /// Index of its shadow in the group.
+    pub shadow: u32,
+    /// Its shape.
+    pub shape: Primitive,
+    /// Where its frame stands relative to the shadow: offset from the centre of mass, rotation.
+    pub offset: DVec3,
+    /// Rotation of the collider relative to its body.
+    pub turn: DQuat,
+    /// Combined μ.
+    pub friction: f64,
+    /// Rapier's contact skin \[m\].
+    pub skin: f64,
+}
+
+/// A target's frame in the world at one instant.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    /// Its origin \[m\].
+    pub position: DVec3,
+    /// From its axes to the world's.
+    pub axes: DMat3,
+}
+
+impl Target {
+    /// Where the collider is while its shadow stands at `shadow`.
+    pub fn frame(&self, shadow: &Shadow) -> Frame {
+        Frame {
+            position: shadow.com + shadow.rot * self.offset,
+            axes: DMat3::from_quat(shadow.rot * self.turn),
+        }
+    }
+
+    /// Signed depth (positive inside) \[m\] and outward normal in the world of a point relative to the frame's origin.
+    #[inline]
+    pub fn depth(&self, frame: &Frame, relative: DVec3) -> (f64, DVec3) {
+        let (distance, n) = self.shape.signed_distance(frame.axes.transpose() * relative);
+        (self.skin - distance, frame.axes * n)
+    }
+}
+
+/// Rapier's rotation in `f64`.
+pub fn wide_rotation(r: Rotation) -> DQuat {
+    DQuat::from_xyzw(r.x.into(), r.y.into(), r.z.into(), r.w.into()).normalize()
+}
+
+/// Whether Rapier's rules let a deformable (which counts as a dynamic body) touch this collider: both enabled, no
+/// sensor, none of Rapier's own soft bodies, collision types and groups that agree.
+pub fn admits(collider: &Collider, body: Option<&RigidBody>, surface: &Surface) -> bool {
+    let kind = body.map_or(RigidBodyType::Fixed, RigidBody::body_type);
+    collider.is_enabled()
+        && body.is_none_or(|b| b.is_enabled() && !b.is_soft_frame())
+        && !collider.is_sensor()
+        && collider.deformable_mesh_ref().is_none()
+        && collider.active_collision_types().test(RigidBodyType::Dynamic, kind)
+        && surface.collision_groups.test(collider.collision_groups())
+}
+
+/// The target for an admitted collider; `None` where its shape is not one that nodes can touch.
+pub fn target(
+    handle: ColliderHandle,
+    collider: &Collider,
+    bodies: &RigidBodySet,
+    surface: &Surface,
+) -> Option<Target> {
+    let shape = Primitive::of(collider.shape())?;
+    let parent = collider.parent().and_then(|h| bodies.get(h));
+    // A collider's own pose is stale after its body was teleported: its pose relative to the body is not.
+    let (offset, turn) = match (parent, collider.position_wrt_parent()) {
+        (Some(body), Some(pose)) => (
+            pose.translation.as_dvec3() - body.local_center_of_mass().as_dvec3(),
+            wide_rotation(pose.rotation),
+        ),
+        _ => (collider.position().translation.as_dvec3(), wide_rotation(collider.position().rotation)),
+    };
+    let friction = CoefficientCombineRule::combine(
+        surface.friction,
+        collider.friction(),
+        surface.friction_combine_rule,
+        collider.friction_combine_rule(),
+    );
+    Some(Target {
+        collider: handle,
+        body: parent.and(collider.parent()),
+        shadow: 0,
+        shape,
+        offset,
+        turn,
+        friction: f64::from(friction).max(0.0),
+        skin: collider.contact_skin().into(),
+    })
+}

@@ -1,0 +1,126 @@
+//! The hand-over: what a rigid body gets, before and after Rapier's step, so that it ends where its shadow is, as fast as
+//! its shadow is, and with exactly the momentum the deformables gave.
+//!
+//! An impulse J before the step displaces J·dt/m, one after it nothing; a force F held over it s·F·dt²/m. A free body
+//! gets a first part that puts it at the shadow's position, and the rest of the impulse afterwards. A constrained body
+//! gets the mean force, so that Rapier's own constraints can answer it, and the answer is measured.
+
+use super::memory::BodyMemory;
+use super::observe::{Answer, displacement_share, free_acceleration, inv_inertia};
+use crate::math::{DQuat, DVec3, Vector, narrow, wide};
+use crate::solve::shadow::Shadow;
+use rapier3d::dynamics::{IntegrationParameters, RigidBody};
+
+/// What a body still has to get after Rapier's step.
+#[derive(Clone, Copy, Debug)]
+pub struct Pending {
+    answer: Answer,
+    /// Impulse and angular impulse given before the step.
+    given: (DVec3, DVec3),
+    /// The user's own force and torque, to be restored exactly.
+    user: (Vector, Vector),
+    /// Velocity before the step, and the change a free body would make.
+    before: DVec3,
+    free: DVec3,
+}
+
+/// Gives `body` its part before Rapier's step of `dt` s. `start` and `end` are its shadow before and after the substeps.
+pub fn before_step(
+    body: &mut RigidBody,
+    answer: Answer,
+    start: &Shadow,
+    end: &Shadow,
+    gravity: Vector,
+    parameters: &IntegrationParameters,
+    dt: f64,
+) -> Pending {
+    let mut pending = Pending {
+        answer,
+        given: (DVec3::ZERO, DVec3::ZERO),
+        user: (body.user_force(), body.user_torque()),
+        before: wide(body.linvel()),
+        free: DVec3::ZERO,
+    };
+    // Untouched: nothing at all, so that the body moves bit for bit as without deformables.
+    if end.impulse == DVec3::ZERO && end.torque == DVec3::ZERO {
+        pending.answer = Answer::None;
+        return pending;
+    }
+    let (acceleration, spin_up) = free_acceleration(body, gravity);
+    match answer {
+        Answer::None => {}
+        Answer::Free => {
+            let share = displacement_share(body, parameters);
+            let inv_mass = wide(body.mass_properties().effective_inv_mass);
+            let drift = end.com - start.com - start.v * dt - acceleration * (share * dt * dt);
+            let mut impulse = drift / dt;
+            for axis in 0..3 {
+                impulse[axis] = if inv_mass[axis] > 0.0 { impulse[axis] / inv_mass[axis] } else { 0.0 };
+            }
+            let inertia = inv_inertia(body).inverse();
+            let torque = if inertia.is_finite() {
+                let free = free_turn(start, spin_up, share, dt);
+                inertia * ((end.rot * free.inverse()).to_scaled_axis() / dt)
+            } else {
+                DVec3::ZERO
+            };
+            body.apply_impulse(narrow(impulse), false);
+            body.apply_torque_impulse(narrow(torque), false);
+            pending.given = (impulse, torque);
+        }
+        Answer::Constrained => {
+            let inv_mass = wide(body.mass_properties().effective_inv_mass);
+            pending.free = end.impulse * inv_mass + acceleration * dt;
+            body.add_force(narrow(end.impulse / dt), false);
+            body.add_torque(narrow(end.torque / dt), false);
+        }
+    }
+    pending
+}
+
+/// Orientation after a step without impulses: Rapier's own substeps, with conserved angular momentum.
+fn free_turn(start: &Shadow, spin_up: DVec3, share: f64, dt: f64) -> DQuat {
+    // share = (n + 1)/(2n)
+    let n = (1.0 / (2.0 * share - 1.0)).round().max(1.0);
+    let h = dt / n;
+    let mut free = Shadow {
+        spin_up,
+        damping: (0.0, 0.0),
+        drift: 0.0,
+        acceleration: DVec3::ZERO,
+        ..*start
+    };
+    for _ in 0..n as usize {
+        free.accelerate(h);
+        free.advance(h);
+    }
+    free.rot
+}
+
+/// Gives `body` the rest after Rapier's step, and learns from what it did. Returns the coupling defect \[J\]: what the
+/// shadow's work differs from that done on the body.
+pub fn after_step(
+    body: &mut RigidBody,
+    pending: &Pending,
+    end: &Shadow,
+    memory: &mut BodyMemory,
+    dt: f64,
+) -> f64 {
+    memory.feel(end.impulse, dt);
+    match pending.answer {
+        Answer::None => return 0.0,
+        Answer::Free => {
+            body.apply_impulse(narrow(end.impulse - pending.given.0), false);
+            body.apply_torque_impulse(narrow(end.torque - pending.given.1), false);
+        }
+        Answer::Constrained => {
+            body.reset_forces(false);
+            body.reset_torques(false);
+            body.add_force(pending.user.0, false);
+            body.add_torque(pending.user.1, false);
+            memory.answer(wide(body.linvel()) - pending.before, pending.free);
+        }
+    }
+    0.5 * (end.impulse.dot(wide(body.linvel()) - end.v)
+        + end.torque.dot(wide(body.angvel()) - end.w))
+}

@@ -1,0 +1,213 @@
+//! Reading a rigid body: its shadow, and whether something rigid holds it.
+
+use super::memory::BodyMemory;
+use crate::contact::target::wide_rotation;
+use crate::math::{DMat3, DVec3, Vector, wide};
+use crate::solve::shadow::Shadow;
+use rapier3d::dynamics::{
+    ImpulseJointSet, IntegrationParameters, MultibodyJointSet, RigidBody, RigidBodyHandle,
+    RigidBodyPosition, RigidBodySet,
+};
+use rapier3d::geometry::{ColliderSet, NarrowPhase};
+
+/// What surrounds a body in Rapier's world.
+#[derive(Clone, Copy)]
+pub struct Surroundings<'a> {
+    /// Gravity \[m/s²\].
+    pub gravity: Vector,
+    /// Rapier's parameters.
+    pub parameters: &'a IntegrationParameters,
+    /// All bodies.
+    pub bodies: &'a RigidBodySet,
+    /// All colliders.
+    pub colliders: &'a ColliderSet,
+    /// Contacts between colliders.
+    pub narrow_phase: &'a NarrowPhase,
+    /// Joints.
+    pub joints: &'a ImpulseJointSet,
+    /// Joints in reduced coordinates.
+    pub multibodies: &'a MultibodyJointSet,
+}
+
+/// How a rigid body answers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Answer {
+    /// Not at all: fixed, kinematic, asleep, or dominant.
+    None,
+    /// Like a free body.
+    Free,
+    /// Held by joints or rigid contacts.
+    Constrained,
+}
+
+/// The share of an acceleration held over a Rapier step of n solver iterations that shows as displacement:
+/// s = (n + 1)/(2n), because Rapier integrates symplectically in n small steps.
+pub fn displacement_share(body: &RigidBody, parameters: &IntegrationParameters) -> f64 {
+    let n = (parameters.num_solver_iterations + body.additional_solver_iterations()).max(1) as f64;
+    (n + 1.0) / (2.0 * n)
+}
+
+/// Acceleration and angular acceleration of a body by gravity and the user's forces.
+pub fn free_acceleration(body: &RigidBody, gravity: Vector) -> (DVec3, DVec3) {
+    let props = body.mass_properties();
+    let inv_mass = wide(props.effective_inv_mass);
+    let weight = wide(gravity) * f64::from(body.gravity_scale());
+    let allowed = DVec3::new(
+        f64::from(inv_mass.x > 0.0),
+        f64::from(inv_mass.y > 0.0),
+        f64::from(inv_mass.z > 0.0),
+    );
+    (
+        weight * allowed + wide(body.user_force()) * inv_mass,
+        inv_inertia(body) * wide(body.user_torque()),
+    )
+}
+
+/// I⁻¹ in world axes \[1/(kg·m²)\], 0 about locked axes.
+pub fn inv_inertia(body: &RigidBody) -> DMat3 {
+    let m = body.mass_properties().effective_world_inv_inertia;
+    let (xx, yy, zz) = (m.m11.into(), m.m22.into(), m.m33.into());
+    let (xy, xz, yz) = (m.m12.into(), m.m13.into(), m.m23.into());
+    DMat3::from_cols(
+        DVec3::new(xx, xy, xz),
+        DVec3::new(xy, yy, yz),
+        DVec3::new(xz, yz, zz),
+    )
+}
+
+/// The shadow of a body for a rigid step of `dt` s.
+pub fn shadow(
+    body: &RigidBody,
+    answer: Answer,
+    response: f64,
+    around: &Surroundings,
+    dt: f64,
+) -> Shadow {
+    let pose = body.position();
+    let rot = wide_rotation(pose.rotation);
+    let com = wide(pose.translation) + rot * wide(body.local_center_of_mass());
+    let (v, w) = velocity(body, dt);
+    let mut shadow = Shadow {
+        com,
+        rot,
+        v,
+        w,
+        before: (v, w),
+        ..Shadow::FIXED
+    };
+    if answer == Answer::None {
+        return shadow;
+    }
+    let (acceleration, spin_up) = free_acceleration(body, around.gravity);
+    shadow.inv_mass = wide(body.mass_properties().effective_inv_mass) * response;
+    shadow.inv_inertia = inv_inertia(body) * response;
+    shadow.acceleration = acceleration * response;
+    shadow.spin_up = spin_up * response;
+    shadow.damping = (body.linear_damping().into(), body.angular_damping().into());
+    shadow.drift = (displacement_share(body, around.parameters) - 0.5) * dt;
+    let locked = !body.locked_axes().is_empty();
+    if answer == Answer::Free && !locked && body.gyroscopic_forces_enabled() {
+        let inertia = inv_inertia(body).inverse();
+        if inertia.is_finite() {
+            shadow.inertia = inertia;
+        }
+    }
+    shadow
+}
+
+fn velocity(body: &RigidBody, dt: f64) -> (DVec3, DVec3) {
+    use rapier3d::dynamics::RigidBodyType::*;
+    match body.body_type() {
+        // Its linvel is that of the last step; the target tells where it goes in this one.
+        KinematicPositionBased => {
+            let motion = RigidBodyPosition {
+                position: *body.position(),
+                next_position: *body.next_position(),
+            }
+            .interpolate_velocity((1.0 / dt) as f32, body.local_center_of_mass());
+            (wide(motion.linvel), wide(motion.angvel))
+        }
+        Dynamic if body.is_sleeping() => (DVec3::ZERO, DVec3::ZERO),
+        Dynamic | KinematicVelocityBased => (wide(body.linvel()), wide(body.angvel())),
+        _ => (DVec3::ZERO, DVec3::ZERO),
+    }
+}
+
+/// How a body will answer in this step.
+pub fn answer(handle: RigidBodyHandle, body: &RigidBody, around: &Surroundings) -> Answer {
+    if !body.is_dynamic() || body.is_sleeping() || body.effective_dominance_group() > 0 {
+        Answer::None
+    } else if is_constrained(handle, body, around) {
+        Answer::Constrained
+    } else {
+        Answer::Free
+    }
+}
+
+fn is_constrained(handle: RigidBodyHandle, body: &RigidBody, around: &Surroundings) -> bool {
+    has_joint(handle, around)
+        || body.colliders().iter().any(|&c| {
+            around
+                .narrow_phase
+                .contact_pairs_with(c)
+                .any(|pair| pair.has_any_active_contact())
+        })
+}
+
+fn has_joint(handle: RigidBodyHandle, around: &Surroundings) -> bool {
+    around.joints.attached_enabled_joints(handle).next().is_some()
+        || around.multibodies.rigid_body_link(handle).is_some()
+}
+
+/// ρ of a body: remembered, or at first guessed from what it is held by.
+pub fn response(
+    handle: RigidBodyHandle,
+    body: &RigidBody,
+    answer: Answer,
+    memory: &mut BodyMemory,
+    around: &Surroundings,
+) -> f64 {
+    if answer != Answer::Constrained {
+        memory.response = None;
+        memory.constrained = false;
+        return 1.0;
+    }
+    memory.constrained = true;
+    *memory
+        .response
+        .get_or_insert_with(|| first_guess(handle, body, around))
+}
+
+/// Jointed to something that never moves: 0. Jointed to others: its share of their mass. Held by contacts only: 0.2.
+fn first_guess(handle: RigidBodyHandle, body: &RigidBody, around: &Surroundings) -> f64 {
+    if around.multibodies.rigid_body_link(handle).is_some() {
+        return 0.5;
+    }
+    if !has_joint(handle, around) {
+        return 0.2;
+    }
+    let mut component = vec![handle];
+    let mut total = 0.0;
+    let mut next = 0;
+    while let Some(&current) = component.get(next) {
+        next += 1;
+        let Some(member) = around.bodies.get(current) else {
+            continue;
+        };
+        if !member.is_dynamic() {
+            return 0.0;
+        }
+        total += f64::from(member.mass());
+        for (a, b, _, _) in around.joints.attached_enabled_joints(current) {
+            let other = if a == current { b } else { a };
+            if !component.contains(&other) {
+                component.push(other);
+            }
+        }
+    }
+    if total > 0.0 {
+        f64::from(body.mass()) / total
+    } else {
+        1.0
+    }
+}

@@ -1,0 +1,100 @@
+//! Plastic flow of an axial spring with linear hardening, by return mapping (Simo & Hughes, *Computational Inelasticity*,
+//! box 1.4): the trial tension is brought back to the yield surface by lengthening or shortening the rest length.
+//!
+//! Hardening is isotropic: both yield forces grow by H per metre of accumulated plastic elongation α = Σ|ΔL_p|.
+//! No branch: an elastic spring has infinite yield forces, and `inverse` = 1/(k + H) is 0 for a broken one.
+
+use crate::math::Scalar;
+
+/// Where a spring yields.
+#[derive(Clone, Copy, Debug)]
+pub struct Yield<S> {
+    /// Yield force in tension before any flow \[N\].
+    pub tension: S,
+    /// Yield force in compression before any flow, positive \[N\].
+    pub compression: S,
+    /// H \[N/m\].
+    pub hardening: S,
+    /// 1/(k + H) \[m/N\].
+    pub inverse: S,
+}
+
+/// The outcome of a return mapping.
+#[derive(Clone, Copy, Debug)]
+pub struct Mapped<S> {
+    /// Tension on or inside the yield surface \[N\].
+    pub tension: S,
+    /// Plastic change of the rest length \[m\], positive when it grows.
+    pub flow: S,
+}
+
+/// Brings the trial tension `k·e` of a spring that has flowed by `accumulated` ≥ 0 \[m\] back to its yield surface.
+#[inline(always)]
+pub fn return_map<S: Scalar>(
+    stiffness: S,
+    elongation: S,
+    accumulated: S,
+    law: &Yield<S>,
+) -> Mapped<S> {
+    let trial = stiffness * elongation;
+    let grown = law.hardening * accumulated;
+    let over = (trial - (law.tension + grown)).max(S::ZERO);
+    let under = (-trial - (law.compression + grown)).max(S::ZERO);
+    let flow = (over - under) * law.inverse;
+    Mapped {
+        tension: trial - stiffness * flow,
+        flow,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn law(k: f64, h: f64) -> Yield<f64> {
+        Yield {
+            tension: 100.0,
+            compression: 60.0,
+            hardening: h,
+            inverse: 1.0 / (k + h),
+        }
+    }
+
+    #[test]
+    fn the_mapped_tension_lies_on_the_hardened_surface() {
+        let (k, h, alpha) = (5000.0, 400.0, 0.01);
+        for (e, sign, yield_force) in [(0.5, 1.0, 100.0), (-0.5, -1.0, 60.0)] {
+            let m = return_map(k, e, alpha, &law(k, h));
+            let surface = yield_force + h * (alpha + m.flow.abs());
+            assert!((m.tension - sign * surface).abs() < 1e-9);
+            assert!((m.tension - k * (e - m.flow)).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn inside_the_surface_nothing_flows() {
+        let m = return_map(5000.0, 0.019, 0.0, &law(5000.0, 0.0));
+        assert_eq!(m.flow, 0.0);
+        assert_eq!(m.tension, 95.0);
+    }
+
+    #[test]
+    fn the_tangent_is_the_elastoplastic_modulus() {
+        let (k, h, d) = (5000.0, 400.0, 1e-6);
+        let at = |e| return_map(k, e, 0.0, &law(k, h)).tension;
+        let slope = (at(0.05 + d) - at(0.05 - d)) / (2.0 * d);
+        assert!((slope - k * h / (k + h)).abs() < 1e-4);
+    }
+
+    #[test]
+    fn an_elastic_and_a_broken_spring_pass_unharmed() {
+        let never = Yield {
+            tension: f32::INFINITY,
+            compression: f32::INFINITY,
+            hardening: 0.0,
+            inverse: 0.0,
+        };
+        assert_eq!(return_map(1000.0_f32, 2.0, 0.0, &never).tension, 2000.0);
+        assert_eq!(return_map(0.0_f32, 2.0, 0.3, &never).tension, 0.0);
+    }
+}

@@ -1,0 +1,61 @@
+//! The row law: unilateral contact without depth-driven velocity, and Coulomb friction, as accumulated impulses.
+//!
+//! A contact asks for v·n ≥ u, with u = d/h while the surfaces are still apart (d < 0: they may close the gap within the
+//! substep, no more) and u = 0 once they touch. A velocity computed from depth would throw overlapping bodies apart and
+//! make squeezed ones jitter; depth is mended at position level instead, see [`push_out`].
+
+use crate::math::DVec3;
+
+/// Smallest relative normal velocity \[m/s\] a contact of signed depth `depth` \[m\] (positive inside) allows in a substep
+/// of h \[s\].
+#[inline(always)]
+pub fn allowed_velocity(depth: f64, h: f64) -> f64 {
+    if depth < 0.0 { depth / h } else { 0.0 }
+}
+
+/// The accumulated normal impulse \[N·s\] after one pass: j' = max(0, j + (u − v_n)·m_eff).
+#[inline(always)]
+pub fn normal_impulse(accumulated: f64, allowed: f64, velocity: f64, mass: f64) -> f64 {
+    (accumulated + (allowed - velocity) * mass).max(0.0)
+}
+
+/// The accumulated friction impulse \[N·s\] after one pass: the one that stops the slip `slip` \[m/s\], within the Coulomb
+/// disc of radius `limit` = μ·j_n.
+#[inline(always)]
+pub fn friction_impulse(accumulated: DVec3, slip: DVec3, mass: f64, limit: f64) -> DVec3 {
+    let wanted = accumulated - slip * mass;
+    let length = wanted.length();
+    if length > limit {
+        wanted * (limit / length)
+    } else {
+        wanted
+    }
+}
+
+/// How far a node at `depth` \[m\] inside is moved out in a substep of h \[s\]: half of it, at `rate` \[m/s\] at most.
+#[inline(always)]
+pub fn push_out(depth: f64, h: f64, rate: f64) -> f64 {
+    (0.5 * depth).min(rate * h).max(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn friction_sticks_inside_and_slides_on_the_disc() {
+        let slip = DVec3::new(0.3, -0.4, 0.0);
+        let stick = friction_impulse(DVec3::ZERO, slip, 2.0, 1.5);
+        assert!((stick + slip * 2.0).length() < 1e-15);
+        let slide = friction_impulse(DVec3::ZERO, slip, 2.0, 0.5);
+        assert!((slide.length() - 0.5).abs() < 1e-15);
+        assert!(slide.dot(slip) < 0.0);
+    }
+
+    #[test]
+    fn a_contact_never_pulls() {
+        assert_eq!(normal_impulse(0.0, 0.0, 1.0, 5.0), 0.0);
+        assert_eq!(normal_impulse(3.0, 0.0, 1.0, 5.0), 0.0);
+        assert_eq!(normal_impulse(0.0, 0.0, -1.0, 5.0), 5.0);
+    }
+}

@@ -1,0 +1,76 @@
+//! The longest stable substep of each scheme, from a bound on the stiffness and the damping modes.
+//!
+//! `k` bounds λ(M⁻¹K) [1/s²] and `c` bounds λ(M⁻¹C) [1/s]. Damping enters: lagged damping lowers the limit of symplectic
+//! Euler, so a limit from stiffness alone would be wrong.
+
+/// Symplectic Euler and velocity Verlet with the damping of the last velocity: h²k + 2hc < 4.
+pub fn leapfrog(k: f64, c: f64) -> f64 {
+    if k == 0.0 && c == 0.0 {
+        return f64::INFINITY;
+    }
+    // The positive root, written so that k = 0 needs no case of its own.
+    4.0 / (c + (c * c + 4.0 * k).sqrt())
+}
+
+/// RK4: its stability region holds the half disc of radius 2.6 about 0 (2.83 on the imaginary axis, 2.78 on the real).
+pub fn rk4(k: f64, c: f64) -> f64 {
+    let radius = 0.5 * (c + (c * c + 4.0 * k).sqrt());
+    2.6 / radius
+}
+
+/// Explicit Euler: an underdamped mode needs h < c/k, so h must stay below the least c/k of any spring (`relaxation`);
+/// an overdamped one h < 2/c. 0 where something is undamped: then no substep is stable.
+pub fn explicit_euler(relaxation: f64, c: f64) -> f64 {
+    relaxation.min(1.0 / c)
+}
+
+/// Midpoint: an undamped mode grows by (ωh)⁴/8 a step; damping 2ζω takes ζωh away, so h³ < 4·relaxation/k; 2/c where
+/// overdamped.
+pub fn midpoint(k: f64, c: f64, relaxation: f64) -> f64 {
+    (4.0 * relaxation / k).cbrt().min(1.0 / c)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_spring_between_equal_nodes_has_the_textbook_limit() {
+        // λ(K) = 2k/m, λ(C) = 2c/m, μ = m/2: h < (−c + √(c² + 4kμ))/k.
+        let (k, c, m) = (1000.0_f64, 3.0, 0.5);
+        let mu = 0.5 * m;
+        let exact = (-c + (c * c + 4.0 * k * mu).sqrt()) / k;
+        assert!((leapfrog(2.0 * k / m, 2.0 * c / m) - exact).abs() < 1e-12);
+        assert!((leapfrog(2.0 * k / m, 0.0) - 2.0 / (2.0 * k / m).sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_limits_separate_decay_from_growth() {
+        // One damped oscillator x'' = -k x - c x', its amplification matrix applied many times just inside each limit.
+        let (k, c) = (100.0_f64, 3.0);
+        let grows = |h: f64, step: &dyn Fn(f64, f64, f64) -> (f64, f64)| {
+            let (mut x, mut v) = (1.0, 0.0);
+            for _ in 0..20_000 {
+                (x, v) = step(x, v, h);
+                if !(x.abs() < 1e6) {
+                    return true;
+                }
+            }
+            false
+        };
+        let euler = |x: f64, v: f64, h: f64| (x + h * v, v + h * (-k * x - c * v));
+        let limit = explicit_euler(c / k, c);
+        assert!(!grows(0.99 * limit, &euler) && grows(1.02 * limit, &euler));
+        let symplectic = |x: f64, v: f64, h: f64| {
+            let v = v + h * (-k * x - c * v);
+            (x + h * v, v)
+        };
+        let limit = leapfrog(k, c);
+        assert!(!grows(0.99 * limit, &symplectic) && grows(1.02 * limit, &symplectic));
+        let midpoint_step = |x: f64, v: f64, h: f64| {
+            let (xm, vm) = (x + 0.5 * h * v, v + 0.5 * h * (-k * x - c * v));
+            (x + h * vm, v + h * (-k * xm - c * vm))
+        };
+        assert!(!grows(0.95 * midpoint(k, c, c / k), &midpoint_step));
+    }
+}

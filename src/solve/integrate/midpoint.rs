@@ -1,0 +1,50 @@
+//! Explicit midpoint (RK2): a half step of explicit Euler, then a whole step with the slope found there.
+
+use super::{Sums, acceleration, applied_at};
+use crate::body::state::State;
+use crate::math::Scalar;
+use crate::solve::external::ForceField;
+use crate::solve::solver::Solver;
+
+pub(super) fn predict<S: Scalar>(
+    solver: &mut Solver<S>,
+    state: &mut State<S>,
+    h: S,
+    field: Option<&dyn ForceField>,
+) {
+    let half = S::of(0.5) * h;
+    solver.start.clear();
+    solver
+        .start
+        .extend(state.particles.iter().map(|p| (p.x, p.v)));
+    solver.evaluate(state, field, true);
+    for (i, p) in state.particles.iter_mut().enumerate() {
+        let a = acceleration(
+            p,
+            &solver.forces[i],
+            applied_at(&solver.applied, i),
+            solver.external.gravity,
+        );
+        for k in 0..3 {
+            p.x[k] += half * p.v[k];
+            p.v[k] += half * a[k];
+        }
+    }
+    solver.evaluate(state, field, false);
+    let mut sums = Sums::new();
+    for i in 0..state.particles.len() {
+        let p = &mut state.particles[i];
+        let applied = applied_at(&solver.applied, i);
+        let a = acceleration(p, &solver.forces[i], applied, solver.external.gravity);
+        let moved = [h * p.v[0], h * p.v[1], h * p.v[2]];
+        sums.book(p, &solver.forces[i], applied, moved);
+        let (x, v) = solver.start[i];
+        p.x = x;
+        for k in 0..3 {
+            p.v[k] = v[k] + h * a[k];
+        }
+        sums.speed(p.v);
+        state.displace(i, moved);
+    }
+    sums.flush(solver);
+}

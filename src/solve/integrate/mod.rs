@@ -1,0 +1,180 @@
+//! Integration schemes: one file each, one signature, parameters in the variant.
+//!
+//! Every scheme moves the body freely in `predict`; rows then act once per substep (v += Δv, x += h·Δv), and `finish`
+//! completes schemes that need the force at the new position. Plastic flow and breaking are committed at the first
+//! evaluation of a substep, which is at a true state of the body; inner stages only obey the yield surface.
+
+mod explicit_euler;
+mod midpoint;
+mod rk4;
+mod symplectic_euler;
+mod velocity_verlet;
+
+use super::external::ForceField;
+use super::forces::{Force, dot};
+use super::solver::Solver;
+use crate::body::state::{Particle, State};
+use crate::law::stable;
+use crate::math::Scalar;
+
+/// How positions and velocities are advanced.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Integrator {
+    /// x += h·v with the old v, then v += h·F/m. Order 1; grows unless damped: the textbook's warning.
+    ExplicitEuler,
+    /// v += h·F/m, then x += h·v with the new v. Order 1, symplectic: energy ripples but does not drift. The default.
+    #[default]
+    SymplecticEuler,
+    /// Half kick, drift, half kick. Order 2, symplectic.
+    VelocityVerlet,
+    /// Explicit midpoint (RK2). Order 2; grows slowly when undamped.
+    Midpoint,
+    /// The classical Runge–Kutta scheme. Order 4; loses a little energy.
+    Rk4,
+}
+
+impl Integrator {
+    /// Every scheme.
+    pub const ALL: [Self; 5] = [
+        Self::ExplicitEuler,
+        Self::SymplecticEuler,
+        Self::VelocityVerlet,
+        Self::Midpoint,
+        Self::Rk4,
+    ];
+
+    /// Its name in plain words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::ExplicitEuler => "explicit Euler",
+            Self::SymplecticEuler => "symplectic Euler",
+            Self::VelocityVerlet => "velocity Verlet",
+            Self::Midpoint => "midpoint",
+            Self::Rk4 => "RK4",
+        }
+    }
+
+    /// The longest stable substep \[s\], given bounds on λ(M⁻¹K) \[1/s²\] and λ(M⁻¹C) \[1/s\] and the least c/k of any
+    /// spring \[s\]; 0 when no substep is stable.
+    pub fn stable_step(self, stiffness: f64, damping: f64, relaxation: f64) -> f64 {
+        match self {
+            Self::ExplicitEuler => stable::explicit_euler(relaxation, damping),
+            Self::SymplecticEuler | Self::VelocityVerlet => stable::leapfrog(stiffness, damping),
+            Self::Midpoint => stable::midpoint(stiffness, damping, relaxation),
+            Self::Rk4 => stable::rk4(stiffness, damping),
+        }
+    }
+
+    /// How much of the free velocity change of a substep a contact impulse must not be credited with, so that its work is
+    /// the trapezoid over the displacements actually made.
+    pub(crate) fn contact_lag(self) -> f64 {
+        match self {
+            Self::ExplicitEuler => 0.0,
+            Self::SymplecticEuler => 0.5,
+            Self::VelocityVerlet | Self::Midpoint | Self::Rk4 => 1.0,
+        }
+    }
+
+    pub(super) fn predict<S: Scalar>(
+        self,
+        solver: &mut Solver<S>,
+        state: &mut State<S>,
+        h: S,
+        field: Option<&dyn ForceField>,
+    ) {
+        match self {
+            Self::ExplicitEuler => explicit_euler::predict(solver, state, h, field),
+            Self::SymplecticEuler => symplectic_euler::predict(solver, state, h, field),
+            Self::VelocityVerlet => velocity_verlet::predict(solver, state, h, field),
+            Self::Midpoint => midpoint::predict(solver, state, h, field),
+            Self::Rk4 => rk4::predict(solver, state, h, field),
+        }
+    }
+
+    pub(super) fn finish<S: Scalar>(
+        self,
+        solver: &mut Solver<S>,
+        state: &mut State<S>,
+        h: S,
+        field: Option<&dyn ForceField>,
+    ) {
+        if self == Self::VelocityVerlet {
+            velocity_verlet::finish(solver, state, h, field);
+        }
+    }
+}
+
+/// Acceleration of a node \[m/s²\]; 0 for a pinned one.
+#[inline(always)]
+fn acceleration<S: Scalar>(
+    p: &Particle<S>,
+    f: &Force<S>,
+    applied: [S; 3],
+    gravity: [S; 3],
+) -> [S; 3] {
+    let free = if p.inv_mass > S::ZERO {
+        S::ONE
+    } else {
+        S::ZERO
+    };
+    let along =
+        |k: usize| gravity[k] * free + (f.elastic[k] + f.damping[k] + applied[k]) * p.inv_mass;
+    [along(0), along(1), along(2)]
+}
+
+/// Sums of a pass over nodes: work of damping and external forces, and the largest squared speed.
+#[derive(Clone, Copy)]
+struct Sums<S> {
+    damping: S,
+    external: S,
+    speed_squared: S,
+    all_speeds: S,
+}
+
+impl<S: Scalar> Sums<S> {
+    fn new() -> Self {
+        Self {
+            damping: S::ZERO,
+            external: S::ZERO,
+            speed_squared: S::ZERO,
+            all_speeds: S::ZERO,
+        }
+    }
+
+    /// Books the work of a node's forces over the displacement `along` \[m\], and the holder's where it is pinned.
+    #[inline(always)]
+    fn book(&mut self, p: &Particle<S>, f: &Force<S>, applied: [S; 3], along: [S; 3]) {
+        let damping = dot(f.damping, along);
+        let outside = dot(applied, along);
+        self.damping -= damping;
+        self.external += outside;
+        if p.inv_mass == S::ZERO {
+            self.external -= dot(f.elastic, along) + damping + outside;
+        }
+    }
+
+    #[inline(always)]
+    fn speed(&mut self, v: [S; 3]) {
+        let squared = dot(v, v);
+        self.speed_squared = self.speed_squared.max(squared);
+        self.all_speeds += squared;
+    }
+
+    fn flush(self, solver: &mut Solver<S>) {
+        solver.work.damping += self.damping.f64();
+        solver.work.external += self.external.f64();
+        // `max` drops NaN, the sum does not.
+        solver.speed_squared = if self.all_speeds.is_finite() {
+            self.speed_squared
+        } else {
+            self.all_speeds
+        };
+    }
+}
+
+/// The force applied to node `i` from outside, 0 where there is none.
+#[inline(always)]
+fn applied_at<S: Scalar>(applied: &[[S; 3]], i: usize) -> [S; 3] {
+    applied.get(i).copied().unwrap_or([S::ZERO; 3])
+}

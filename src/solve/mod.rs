@@ -1,0 +1,15 @@
+//! Passes over arrays: spring forces, integration, contact rows, shadow bodies. This floor knows no collider and no rigid
+//! body, only numbers, so it can be tested in `f64` against closed forms.
+
+pub mod external;
+pub mod forces;
+pub mod integrate;
+pub mod rows;
+pub mod shadow;
+pub mod solver;
+pub mod springs;
+pub mod stable;
+pub mod work;
+
+pub use integrate::Integrator;
+pub use solver::Solver;

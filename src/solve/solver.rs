@@ -1,0 +1,164 @@
+//! The solver of one body: its spring table, forces from outside, scratch of a substep, and sums of work.
+//!
+//! It advances a [`State`] that it does not own. A substep has three parts: [`Solver::predict`] moves the body freely,
+//! rows may then change velocities through [`Solver::kick`], and [`Solver::finish`] completes schemes that evaluate the
+//! force at the new position.
+
+use super::external::{External, ForceField};
+use super::forces::{Force, add_spring_forces, dot};
+use super::integrate::Integrator;
+use super::springs::SpringTable;
+use super::work::Work;
+use crate::body::NodeId;
+use crate::body::net::Spring;
+use crate::body::state::State;
+use crate::math::{DVec3, Scalar, Vector};
+
+/// Advances one body of springs. Generic over the scalar, so that the schemes can be checked in `f64`.
+///
+/// ```
+/// use crumple::{body::{Spring, State}, solve::{Integrator, Solver}};
+/// // A mass of 1 kg on a spring of 100 N/m, 0.1 m out of rest.
+/// let spring = Spring::new(0, 1, 100.0).rest_length(1.0);
+/// let mut state = State::<f64>::new([([0.0; 3], [0.0; 3], 0.0), ([1.1, 0.0, 0.0], [0.0; 3], 1.0)], [1.0]);
+/// let mut solver = Solver::new(&[spring], &state);
+/// for _ in 0..1000 {
+///     solver.substep(&mut state, Integrator::VelocityVerlet, 1e-3);
+/// }
+/// let exact = 1.0 + 0.1 * (10.0_f64 * 1.0).cos();
+/// assert!((state.position(1).x - exact).abs() < 1e-4);
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct Solver<S> {
+    pub(crate) table: SpringTable<S>,
+    /// Gravity, drag and node forces.
+    pub external: External<S>,
+    /// Work done so far.
+    pub work: Work,
+    /// Simulated time \[s\].
+    pub time: f64,
+    pub(crate) forces: Vec<Force<S>>,
+    /// Sum of node forces and field at each node; empty when there are none.
+    pub(crate) applied: Vec<[S; 3]>,
+    pub(crate) start: Vec<([S; 3], [S; 3])>,
+    pub(crate) sums: Vec<([S; 3], [S; 3])>,
+    /// Springs that flowed for the first time since the last look.
+    pub(crate) yielded: u32,
+    /// Springs that broke since the last look.
+    pub(crate) broken: u32,
+    /// Largest squared speed after the last substep; NaN or infinite when a velocity is.
+    pub(crate) speed_squared: S,
+}
+
+impl<S: Scalar> Solver<S> {
+    /// A solver for resolved springs (rest lengths and constants set).
+    pub fn new(springs: &[Spring], state: &State<S>) -> Self {
+        Self {
+            table: SpringTable::new(springs, state),
+            forces: vec![Force::default(); state.particles.len()],
+            ..Self::default()
+        }
+    }
+
+    /// One whole substep of h s without contact.
+    pub fn substep(&mut self, state: &mut State<S>, integrator: Integrator, h: f64) {
+        self.predict(state, integrator, h, None);
+        self.finish(state, integrator, h, None);
+    }
+
+    /// Moves the body freely over h s.
+    pub fn predict(
+        &mut self,
+        state: &mut State<S>,
+        integrator: Integrator,
+        h: f64,
+        field: Option<&dyn ForceField>,
+    ) {
+        integrator.predict(self, state, S::of(h), field);
+    }
+
+    /// Completes the substep after contact and moves the clock.
+    pub fn finish(
+        &mut self,
+        state: &mut State<S>,
+        integrator: Integrator,
+        h: f64,
+        field: Option<&dyn ForceField>,
+    ) {
+        integrator.finish(self, state, S::of(h), field);
+        self.time += h;
+    }
+
+    /// Changes the velocity of a node between `predict` and `finish`, as if from the start of the substep:
+    /// v += Δv, x += h·Δv. Work of damping and external forces follows, see [`Work`].
+    pub(crate) fn kick(
+        &mut self,
+        state: &mut State<S>,
+        integrator: Integrator,
+        node: usize,
+        dv: DVec3,
+        h: f64,
+    ) {
+        let dv = [S::of(dv.x), S::of(dv.y), S::of(dv.z)];
+        let step = S::of(h);
+        for (v, d) in state.particles[node].v.iter_mut().zip(dv) {
+            *v += d;
+        }
+        state.displace(node, [dv[0] * step, dv[1] * step, dv[2] * step]);
+        if integrator == Integrator::SymplecticEuler {
+            self.work.damping -= 0.5 * h * dot(self.forces[node].damping, dv).f64();
+            if let Some(applied) = self.applied.get(node) {
+                self.work.external += 0.5 * h * dot(*applied, dv).f64();
+            }
+        }
+    }
+
+    /// Force of springs and outside on a node at the last evaluation \[N\], gravity left out.
+    pub(crate) fn force(&self, node: usize) -> DVec3 {
+        let f = &self.forces[node];
+        let sum = |k: usize| {
+            f.elastic[k].f64()
+                + f.damping[k].f64()
+                + self.applied.get(node).map_or(0.0, |a| a[k].f64())
+        };
+        DVec3::new(sum(0), sum(1), sum(2))
+    }
+
+    /// Fills the forces for the state as it is. With `commit`, plastic flow and breaking are written.
+    pub(crate) fn evaluate(
+        &mut self,
+        state: &mut State<S>,
+        field: Option<&dyn ForceField>,
+        commit: bool,
+    ) {
+        self.forces.fill(Force::default());
+        let drag = self.external.drag;
+        if drag > S::ZERO {
+            for (f, p) in self.forces.iter_mut().zip(&state.particles) {
+                for k in 0..3 {
+                    f.damping[k] = -(drag * p.v[k]);
+                }
+            }
+        }
+        self.evaluate_applied(state, field);
+        let happened = add_spring_forces(&mut self.table, state, &mut self.forces, commit);
+        self.work.plastic += happened.plastic;
+        self.work.fracture += happened.fracture;
+        self.yielded += happened.yielded;
+        self.broken += happened.broken;
+    }
+
+    fn evaluate_applied(&mut self, state: &State<S>, field: Option<&dyn ForceField>) {
+        self.applied.clear();
+        self.applied.extend_from_slice(&self.external.node_forces);
+        let Some(field) = field else { return };
+        self.applied.resize(state.particles.len(), [S::ZERO; 3]);
+        for (i, sum) in self.applied.iter_mut().enumerate() {
+            let (x, v) = (state.position(i).as_vec3(), state.velocity(i).as_vec3());
+            let f: Vector = field.force(NodeId(i as u32), x, v, self.time);
+            for (s, f) in sum.iter_mut().zip(f.to_array()) {
+                *s += S::of(f.into());
+            }
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! The springs as the force pass reads them. Private to this floor: vector kernels may reorder and pad it at will.
+
+use crate::body::net::Spring;
+use crate::body::state::State;
+use crate::law::plastic::Yield;
+use crate::math::{Real, Scalar};
+
+/// The elastic and viscous part of a spring.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub(crate) struct Link<S> {
+    pub a: u32,
+    pub b: u32,
+    pub stiffness: S,
+    pub damping: S,
+}
+
+/// Where a spring flows and breaks.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Limit<S> {
+    pub yields: Yield<S>,
+    /// Tension at which it breaks \[N\].
+    pub break_force: S,
+    /// Length at which it breaks \[m\].
+    pub break_length: S,
+}
+
+/// All springs of a body.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct SpringTable<S> {
+    pub links: Vec<Link<S>>,
+    /// Empty when no spring of the body yields or breaks.
+    pub limits: Vec<Limit<S>>,
+    /// Whether any spring is damped.
+    pub damped: bool,
+}
+
+impl<S: Scalar> SpringTable<S> {
+    /// The table of resolved springs; those broken in `state` have no stiffness.
+    pub fn new(springs: &[Spring], state: &State<S>) -> Self {
+        let limited = springs.iter().any(|s| {
+            [
+                s.yield_tension,
+                s.yield_compression,
+                s.break_force,
+                s.break_strain,
+            ]
+            .iter()
+            .any(|limit| limit.is_finite())
+        });
+        let mut table = Self {
+            links: springs.iter().map(link).collect(),
+            limits: if limited {
+                springs.iter().map(limit).collect()
+            } else {
+                Vec::new()
+            },
+            damped: springs.iter().any(|s| s.damping > 0.0),
+        };
+        for (spring, _) in state.broken.iter().enumerate().filter(|(_, b)| **b) {
+            table.cut(spring);
+        }
+        table
+    }
+
+    /// Takes all force from a spring.
+    pub fn cut(&mut self, spring: usize) {
+        self.links[spring].stiffness = S::ZERO;
+        self.links[spring].damping = S::ZERO;
+        if let Some(limit) = self.limits.get_mut(spring) {
+            limit.yields.inverse = S::ZERO;
+            limit.break_force = S::INFINITY;
+            limit.break_length = S::INFINITY;
+        }
+    }
+}
+
+fn real<S: Scalar>(x: Real) -> S {
+    S::of(x.into())
+}
+
+fn link<S: Scalar>(s: &Spring) -> Link<S> {
+    Link {
+        a: s.nodes[0],
+        b: s.nodes[1],
+        stiffness: real(s.stiffness),
+        damping: real(s.damping),
+    }
+}
+
+fn limit<S: Scalar>(s: &Spring) -> Limit<S> {
+    let rest = f64::from(s.rest_length.unwrap_or(0.0));
+    let sum = f64::from(s.stiffness) + f64::from(s.hardening);
+    Limit {
+        yields: Yield {
+            tension: real(s.yield_tension),
+            compression: real(s.yield_compression),
+            hardening: real(s.hardening),
+            inverse: if sum > 0.0 {
+                S::of(1.0 / sum)
+            } else {
+                S::ZERO
+            },
+        },
+        break_force: real(s.break_force),
+        break_length: S::of(rest * (1.0 + f64::from(s.break_strain))),
+    }
+}

@@ -1,0 +1,91 @@
+//! The observer: called after every substep with what happened in it. A trait because strangers plug in here; whatever it
+//! does, it can't change a result.
+
+use super::{AttachmentHandle, Deformable, DeformableHandle};
+use crate::body::SpringId;
+use crate::math::DVec3;
+use rapier3d::geometry::ColliderHandle;
+
+/// Sees every substep of every group of deformables.
+pub trait Observer {
+    /// Called after a substep.
+    fn substep(&mut self, substep: &Substep);
+    /// Called when a spring yields for the first time or breaks.
+    fn event(&mut self, _event: &SpringEvent) {}
+}
+
+/// Observes nothing.
+impl Observer for () {
+    fn substep(&mut self, _: &Substep) {}
+}
+
+/// What happened in a substep of one group.
+#[derive(Clone, Copy)]
+#[non_exhaustive]
+pub struct Substep<'a> {
+    /// Simulated time at its end \[s\].
+    pub time: f64,
+    /// Its length \[s\].
+    pub h: f64,
+    /// The deformables of the group.
+    pub deformables: &'a [(DeformableHandle, Box<Deformable>)],
+    /// Every pair of deformable and collider that is near, touching or not.
+    pub contacts: &'a [PairImpulse],
+    /// What each attachment transmitted.
+    pub attachments: &'a [AttachmentImpulse],
+}
+
+/// What one collider did to one deformable in a substep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PairImpulse {
+    /// The deformable.
+    pub deformable: DeformableHandle,
+    /// The collider.
+    pub collider: ColliderHandle,
+    /// Impulse on the deformable \[N·s\].
+    pub impulse: DVec3,
+    /// Deepest node \[m\], 0 when none is inside.
+    pub depth: f64,
+    /// Nodes that received an impulse.
+    pub touching: u32,
+}
+
+/// What one attachment did to its deformable in a substep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AttachmentImpulse {
+    /// The attachment.
+    pub attachment: AttachmentHandle,
+    /// The deformable.
+    pub deformable: DeformableHandle,
+    /// Impulse on the deformable \[N·s\].
+    pub impulse: DVec3,
+}
+
+/// What happened to a spring.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum SpringEventKind {
+    /// It flowed for the first time.
+    YieldBegan,
+    /// It broke.
+    Broke,
+}
+
+/// A spring yielded or broke: which, where, when, at what force and energy.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpringEvent {
+    /// What happened.
+    pub kind: SpringEventKind,
+    /// The body.
+    pub deformable: DeformableHandle,
+    /// The spring.
+    pub spring: SpringId,
+    /// Middle of the spring in the world \[m\].
+    pub position: DVec3,
+    /// Simulated time at the end of the substep \[s\].
+    pub time: f64,
+    /// Tension when it happened \[N\], negative in compression.
+    pub force: f64,
+    /// Elastic energy it held when it happened \[J\].
+    pub energy: f64,
+}

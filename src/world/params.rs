@@ -1,0 +1,82 @@
+//! How deformables are stepped. Rapier's own parameters are read and never written.
+
+use crate::body::BuildError;
+use crate::solve::Integrator;
+
+/// How many substeps a body gets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Substeps {
+    /// As many as stability needs, found from stiffness, damping, masses, scheme and the current shape.
+    Auto {
+        /// Fraction of the stable step that is used, in (0, 1].
+        safety: f64,
+        /// A body that would need substeps shorter than this \[s\] is refused with an error that names its worst spring.
+        min_h: f64,
+    },
+    /// This many per step of the world. Refused at insertion if unstable for a step of 1/60 s; where a longer step or a
+    /// crushed shape needs more, more are taken and reported, never a softer body.
+    Fixed(usize),
+    /// This many per step, stable or not: for those who want to see the textbook's explosion. Reported as unstable.
+    Unchecked(usize),
+}
+
+impl Default for Substeps {
+    fn default() -> Self {
+        Self::Auto {
+            safety: 0.9,
+            min_h: 1e-7,
+        }
+    }
+}
+
+impl Substeps {
+    /// Checks the range of its numbers.
+    pub(crate) fn check(self) -> Result<(), BuildError> {
+        match self {
+            Self::Auto { safety, min_h } => {
+                if !(safety > 0.0 && safety <= 1.0) {
+                    return Err(BuildError::Value {
+                        what: "the safety factor of the substep",
+                        value: safety,
+                        must: "in (0, 1]",
+                    });
+                }
+                crate::body::error::not_negative("the shortest substep min_h", min_h).map(|_| ())
+            }
+            Self::Fixed(n) | Self::Unchecked(n) => crate::body::error::positive("the number of substeps", n as f64).map(|_| ()),
+        }
+    }
+}
+
+/// Settings of a [`DeformableWorld`](super::DeformableWorld).
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct DeformableParameters {
+    /// The scheme of bodies that have none of their own.
+    pub integrator: Integrator,
+    /// The substeps of bodies that have none of their own.
+    pub substeps: Substeps,
+    /// The longest Rapier step while a deformable can touch an awake dynamic body \[s\]; 0 steps Rapier at every substep,
+    /// which is the slow reference the coupling is measured against.
+    pub max_rigid_dt: f64,
+    /// Gauss–Seidel passes over the rows of a substep.
+    pub passes: usize,
+    /// Speed at which penetrating nodes are moved out, in length units per second.
+    pub push_out_speed: f64,
+    /// The stable substep is found anew at least this often \[s\].
+    pub review_interval: f64,
+}
+
+impl Default for DeformableParameters {
+    fn default() -> Self {
+        Self {
+            integrator: Integrator::SymplecticEuler,
+            substeps: Substeps::default(),
+            max_rigid_dt: 1.0 / 240.0,
+            passes: 4,
+            push_out_speed: 0.3,
+            review_interval: 1.0 / 240.0,
+        }
+    }
+}

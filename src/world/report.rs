@@ -1,0 +1,42 @@
+//! What a step did, for those who ask.
+
+use super::DeformableHandle;
+use rapier3d::geometry::ColliderHandle;
+
+/// What the last step did. A step never panics and returns no `Result`; what went wrong stands here.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct StepReport {
+    /// The step's dt if it was NaN, infinite or negative: then nothing was done at all.
+    pub invalid_dt: Option<f64>,
+    /// How many Rapier steps were made (M).
+    pub rigid_steps: usize,
+    /// Substeps taken by each deformable, in the order of the set.
+    pub substeps: Vec<(DeformableHandle, usize)>,
+    /// Spring forces evaluated: springs × substeps.
+    pub spring_updates: u64,
+    /// Bodies frozen in this step because their state became non-finite.
+    pub frozen: Vec<DeformableHandle>,
+    /// Bodies that asked for too few substeps: taken as asked for `Substeps::Unchecked`, raised for `Substeps::Fixed`.
+    pub unstable: Vec<DeformableHandle>,
+    /// Colliders in reach whose shape nodes can't touch yet.
+    pub unsupported: Vec<ColliderHandle>,
+    /// Work of the shadows minus work done on the rigid bodies \[J\].
+    pub coupling_defect: f64,
+}
+
+impl StepReport {
+    pub(super) fn add_substeps(&mut self, handle: DeformableHandle, n: usize) {
+        match self.substeps.iter_mut().find(|(h, _)| *h == handle) {
+            Some((_, sum)) => *sum += n,
+            None => self.substeps.push((handle, n)),
+        }
+    }
+}
+
+/// Adds `item` unless it is there already.
+pub(super) fn note<T: PartialEq>(list: &mut Vec<T>, item: T) {
+    if !list.contains(&item) {
+        list.push(item);
+    }
+}
