@@ -10,6 +10,18 @@ pub mod coupling;
 pub mod law;
 pub mod math;
 pub mod solve;
+pub mod world;
 
 /// Shape functions: lattice, sheet, rope and filled surfaces.
 pub use body::shape;
+
+/// Everything a scene needs. Clashes with nothing in Rapier's own prelude.
+pub mod prelude {
+    pub use crate::body::{BuildError, Material, Net, NodeId, Spring, SpringId};
+    pub use crate::shape;
+    pub use crate::solve::Integrator;
+    pub use crate::world::{
+        AttachmentHandle, Deformable, DeformableBuilder, DeformableHandle, DeformableParameters, DeformableWorld,
+        Observer, Substeps,
+    };
+}

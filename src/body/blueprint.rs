@@ -8,7 +8,7 @@ use crate::law::spring::of_section;
 use crate::math::{Real, Vector};
 
 /// Topology and constants of a body. Nodes have their mass, springs their rest length and constants.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Blueprint {
     /// The nodes, in their rest configuration.
     pub nodes: Vec<Node>,

@@ -216,16 +216,26 @@ fn check_spring(net: &Net, id: u32, spring: &Spring) -> Result<(), BuildError> {
             node: a,
         });
     }
+    let length = spring.rest_length.unwrap_or_else(|| net.length(spring));
+    if !(length.is_finite() && length > 0.0) {
+        return Err(BuildError::Spring {
+            spring: id,
+            what: "rest length",
+            value: length,
+            must: POSITIVE,
+        });
+    }
+    check_constants(id, spring)
+}
+
+/// Checks the constants of a spring, its geometry left aside.
+pub(crate) fn check_constants(id: u32, spring: &Spring) -> Result<(), BuildError> {
     let bad = |what, value, must| BuildError::Spring {
         spring: id,
         what,
         value,
         must,
     };
-    let length = spring.rest_length.unwrap_or_else(|| net.length(spring));
-    if !(length.is_finite() && length > 0.0) {
-        return Err(bad("rest length", length, POSITIVE));
-    }
     for (what, value) in [
         ("section", spring.section),
         ("stiffness", spring.stiffness),

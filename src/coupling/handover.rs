@@ -24,6 +24,24 @@ pub struct Pending {
     free: DVec3,
 }
 
+impl Pending {
+    /// Whether the body has anything still to get.
+    pub fn is_something(&self) -> bool {
+        self.answer != Answer::None
+    }
+
+    /// For a body that nothing touched, or that does not answer.
+    pub fn nothing() -> Self {
+        Self {
+            answer: Answer::None,
+            given: (DVec3::ZERO, DVec3::ZERO),
+            user: (Vector::ZERO, Vector::ZERO),
+            before: DVec3::ZERO,
+            free: DVec3::ZERO,
+        }
+    }
+}
+
 /// Gives `body` its part before Rapier's step of `dt` s. `start` and `end` are its shadow before and after the substeps.
 pub fn before_step(
     body: &mut RigidBody,
@@ -36,16 +54,10 @@ pub fn before_step(
 ) -> Pending {
     let mut pending = Pending {
         answer,
-        given: (DVec3::ZERO, DVec3::ZERO),
         user: (body.user_force(), body.user_torque()),
         before: wide(body.linvel()),
-        free: DVec3::ZERO,
+        ..Pending::nothing()
     };
-    // Untouched: nothing at all, so that the body moves bit for bit as without deformables.
-    if end.impulse == DVec3::ZERO && end.torque == DVec3::ZERO {
-        pending.answer = Answer::None;
-        return pending;
-    }
     let (acceleration, spin_up) = free_acceleration(body, gravity);
     match answer {
         Answer::None => {}
@@ -104,9 +116,7 @@ pub fn after_step(
     pending: &Pending,
     end: &Shadow,
     memory: &mut BodyMemory,
-    dt: f64,
 ) -> f64 {
-    memory.feel(end.impulse, dt);
     match pending.answer {
         Answer::None => return 0.0,
         Answer::Free => {

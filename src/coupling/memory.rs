@@ -18,6 +18,8 @@ pub struct BodyMemory {
     pub baseline: Option<DVec3>,
     /// Whether nodes lay on it when it fell asleep.
     pub supported: bool,
+    /// Whether any node lay within 2 mm of it when last looked.
+    pub near: bool,
     /// The last step in which a deformable could touch it.
     pub seen: u64,
 }
@@ -31,6 +33,7 @@ impl Default for BodyMemory {
             asleep: 0.0,
             baseline: None,
             supported: false,
+            near: false,
             seen: 0,
         }
     }

@@ -26,10 +26,15 @@ pub(crate) struct Happened {
     pub plastic: f64,
     /// Energy of the springs that broke \[J\].
     pub fracture: f64,
-    /// Springs that flowed for the first time.
-    pub yielded: u32,
-    /// Springs that broke.
-    pub broken: u32,
+}
+
+/// A spring that yielded for the first time, or broke, at the state of the pass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct LimitEvent<S> {
+    pub spring: u32,
+    pub broke: bool,
+    pub tension: S,
+    pub energy: S,
 }
 
 /// Adds the force of every spring to its nodes. With `commit`, plastic flow and breaking are written to the state;
@@ -38,15 +43,16 @@ pub(crate) fn add_spring_forces<S: Scalar>(
     table: &mut SpringTable<S>,
     state: &mut State<S>,
     forces: &mut [Force<S>],
+    events: &mut Vec<LimitEvent<S>>,
     commit: bool,
 ) -> Happened {
     match (table.limits.is_empty(), commit, table.damped) {
-        (true, _, false) => pass::<S, false, false, false>(table, state, forces),
-        (true, _, true) => pass::<S, false, false, true>(table, state, forces),
-        (false, false, false) => pass::<S, true, false, false>(table, state, forces),
-        (false, false, true) => pass::<S, true, false, true>(table, state, forces),
-        (false, true, false) => pass::<S, true, true, false>(table, state, forces),
-        (false, true, true) => pass::<S, true, true, true>(table, state, forces),
+        (true, _, false) => pass::<S, false, false, false>(table, state, forces, events),
+        (true, _, true) => pass::<S, false, false, true>(table, state, forces, events),
+        (false, false, false) => pass::<S, true, false, false>(table, state, forces, events),
+        (false, false, true) => pass::<S, true, false, true>(table, state, forces, events),
+        (false, true, false) => pass::<S, true, true, false>(table, state, forces, events),
+        (false, true, true) => pass::<S, true, true, true>(table, state, forces, events),
     }
 }
 
@@ -75,6 +81,7 @@ fn pass<S: Scalar, const LIMITED: bool, const COMMIT: bool, const DAMPED: bool>(
     table: &mut SpringTable<S>,
     state: &mut State<S>,
     forces: &mut [Force<S>],
+    events: &mut Vec<LimitEvent<S>>,
 ) -> Happened {
     let mut happened = Happened::default();
     let mut plastic_work = S::ZERO;
@@ -95,13 +102,23 @@ fn pass<S: Scalar, const LIMITED: bool, const COMMIT: bool, const DAMPED: bool>(
             tension = mapped.tension;
             if COMMIT {
                 let moved = mapped.flow.abs();
-                happened.yielded += u32::from(flows[i] == S::ZERO && moved > S::ZERO);
+                let event = |broke, energy| LimitEvent {
+                    spring: i as u32,
+                    broke,
+                    tension,
+                    energy,
+                };
+                if flows[i] == S::ZERO && moved > S::ZERO {
+                    let energy = spring::energy(link.stiffness, elongation - mapped.flow);
+                    events.push(event(false, energy));
+                }
                 plastic_work += tension.abs() * moved;
                 rest[i] += mapped.flow;
                 flows[i] += moved;
                 if tension > limit.break_force || length > limit.break_length {
-                    happened.broken += 1;
-                    happened.fracture += spring::energy(link.stiffness, length - rest[i]).f64();
+                    let energy = spring::energy(link.stiffness, length - rest[i]);
+                    events.push(event(true, energy));
+                    happened.fracture += energy.f64();
                     state.broken[i] = true;
                     table.cut(i);
                     continue;

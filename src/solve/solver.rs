@@ -5,7 +5,7 @@
 //! force at the new position.
 
 use super::external::{External, ForceField};
-use super::forces::{Force, add_spring_forces, dot};
+use super::forces::{Force, LimitEvent, add_spring_forces, dot};
 use super::integrate::Integrator;
 use super::springs::SpringTable;
 use super::work::Work;
@@ -42,10 +42,8 @@ pub struct Solver<S> {
     pub(crate) applied: Vec<[S; 3]>,
     pub(crate) start: Vec<([S; 3], [S; 3])>,
     pub(crate) sums: Vec<([S; 3], [S; 3])>,
-    /// Springs that flowed for the first time since the last look.
-    pub(crate) yielded: u32,
-    /// Springs that broke since the last look.
-    pub(crate) broken: u32,
+    /// Springs that yielded or broke since the last look. Each does so once, so the list never outgrows its first size.
+    pub(crate) events: Vec<LimitEvent<S>>,
     /// Largest squared speed after the last substep; NaN or infinite when a velocity is.
     pub(crate) speed_squared: S,
 }
@@ -53,8 +51,10 @@ pub struct Solver<S> {
 impl<S: Scalar> Solver<S> {
     /// A solver for resolved springs (rest lengths and constants set).
     pub fn new(springs: &[Spring], state: &State<S>) -> Self {
+        let table = SpringTable::new(springs, state);
         Self {
-            table: SpringTable::new(springs, state),
+            events: Vec::with_capacity(2 * table.limits.len()),
+            table,
             forces: vec![Force::default(); state.particles.len()],
             ..Self::default()
         }
@@ -141,11 +141,15 @@ impl<S: Scalar> Solver<S> {
             }
         }
         self.evaluate_applied(state, field);
-        let happened = add_spring_forces(&mut self.table, state, &mut self.forces, commit);
+        let happened = add_spring_forces(
+            &mut self.table,
+            state,
+            &mut self.forces,
+            &mut self.events,
+            commit,
+        );
         self.work.plastic += happened.plastic;
         self.work.fracture += happened.fracture;
-        self.yielded += happened.yielded;
-        self.broken += happened.broken;
     }
 
     fn evaluate_applied(&mut self, state: &State<S>, field: Option<&dyn ForceField>) {

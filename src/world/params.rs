@@ -14,8 +14,9 @@ pub enum Substeps {
         /// A body that would need substeps shorter than this \[s\] is refused with an error that names its worst spring.
         min_h: f64,
     },
-    /// This many per step of the world. Refused at insertion if unstable for a step of 1/60 s; where a longer step or a
-    /// crushed shape needs more, more are taken and reported, never a softer body.
+    /// This many per step of the world. Refused at insertion if unstable for the world's
+    /// [`expected_dt`](DeformableParameters::expected_dt); where a longer step or a crushed shape needs more, more are
+    /// taken and reported, never a softer body.
     Fixed(usize),
     /// This many per step, stable or not: for those who want to see the textbook's explosion. Reported as unstable.
     Unchecked(usize),
@@ -57,6 +58,8 @@ pub struct DeformableParameters {
     pub integrator: Integrator,
     /// The substeps of bodies that have none of their own.
     pub substeps: Substeps,
+    /// The step of the world that [`Substeps::Fixed`] is checked against at insertion \[s\].
+    pub expected_dt: f64,
     /// The longest Rapier step while a deformable can touch an awake dynamic body \[s\]; 0 steps Rapier at every substep,
     /// which is the slow reference the coupling is measured against.
     pub max_rigid_dt: f64,
@@ -73,6 +76,7 @@ impl Default for DeformableParameters {
         Self {
             integrator: Integrator::SymplecticEuler,
             substeps: Substeps::default(),
+            expected_dt: 1.0 / 60.0,
             max_rigid_dt: 1.0 / 240.0,
             passes: 4,
             push_out_speed: 0.3,

@@ -1,0 +1,265 @@
+//! The builder: a net, materials, and how the body enters the world.
+
+use super::Deformable;
+use super::params::Substeps;
+use crate::body::error::not_negative;
+use crate::body::{Blueprint, BuildError, Material, Net};
+use crate::contact::target::{Surface, wide_rotation};
+use crate::math::{DVec3, Pose, Real, Rotation, Vector, wide};
+use crate::solve::external::ForceField;
+use crate::solve::{Integrator, Solver};
+use rapier3d::dynamics::CoefficientCombineRule;
+use rapier3d::geometry::InteractionGroups;
+use std::sync::Arc;
+
+type Region = Arc<dyn Fn(Vector) -> bool + Send + Sync>;
+
+/// Builds a [`Deformable`].
+///
+/// ```
+/// use crumple::prelude::*;
+/// use crumple::rapier3d::prelude::*;
+/// let net = shape::lattice(Vector::new(1.0, 0.5, 0.5), 0.1)?;
+/// let body = DeformableBuilder::new(net)
+///     .material(Material::rubber())
+///     .translation(Vector::new(0.0, 2.0, 0.0))
+///     .friction(0.8)
+///     .build()?;
+/// assert!((body.mass() - 0.25 * 930.0).abs() < 0.1);
+/// # Ok::<(), crumple::body::BuildError>(())
+/// ```
+#[derive(Clone)]
+#[must_use]
+pub struct DeformableBuilder {
+    net: Result<Net, BuildError>,
+    material: Option<Material>,
+    regions: Vec<(Region, Material)>,
+    total_mass: Option<Real>,
+    pose: Pose,
+    linvel: Vector,
+    angvel: Vector,
+    surface: Surface,
+    gravity_scale: Real,
+    drag: Real,
+    integrator: Option<Integrator>,
+    substeps: Option<Substeps>,
+    field: Option<Arc<dyn ForceField>>,
+    enabled: bool,
+    user_data: u128,
+}
+
+impl DeformableBuilder {
+    /// A body of this net; the result of a shape function may be passed as it is, its error comes out of `build`.
+    pub fn new(net: impl IntoNet) -> Self {
+        Self {
+            net: net.into_net(),
+            material: None,
+            regions: Vec::new(),
+            total_mass: None,
+            pose: Pose::IDENTITY,
+            linvel: Vector::ZERO,
+            angvel: Vector::ZERO,
+            surface: Surface::default(),
+            gravity_scale: 1.0,
+            drag: 0.0,
+            integrator: None,
+            substeps: None,
+            field: None,
+            enabled: true,
+            user_data: 0,
+        }
+    }
+
+    /// The material of all springs that have a section, and of all nodes that have a volume.
+    pub fn material(mut self, material: Material) -> Self {
+        self.material = Some(material);
+        self
+    }
+
+    /// Another material where `region` holds, at points of the net's own frame; later regions win.
+    pub fn material_where(
+        mut self,
+        region: impl Fn(Vector) -> bool + Send + Sync + 'static,
+        material: Material,
+    ) -> Self {
+        self.regions.push((Arc::new(region), material));
+        self
+    }
+
+    /// Rescales all masses to this total \[kg\].
+    pub fn total_mass(mut self, mass: Real) -> Self {
+        self.total_mass = Some(mass);
+        self
+    }
+
+    /// Where the net's frame stands in the world \[m\].
+    pub fn translation(mut self, translation: Vector) -> Self {
+        self.pose.translation = translation;
+        self
+    }
+
+    /// How the net's frame is turned.
+    pub fn rotation(mut self, rotation: Rotation) -> Self {
+        self.pose.rotation = rotation;
+        self
+    }
+
+    /// Velocity of the centre of mass at insertion \[m/s\].
+    pub fn linvel(mut self, linvel: Vector) -> Self {
+        self.linvel = linvel;
+        self
+    }
+
+    /// Angular velocity at insertion \[rad/s\].
+    pub fn angvel(mut self, angvel: Vector) -> Self {
+        self.angvel = angvel;
+        self
+    }
+
+    /// Coulomb's μ of its surface.
+    pub fn friction(mut self, friction: Real) -> Self {
+        self.surface.friction = friction;
+        self
+    }
+
+    /// How μ combines with a collider's.
+    pub fn friction_combine_rule(mut self, rule: CoefficientCombineRule) -> Self {
+        self.surface.friction_combine_rule = rule;
+        self
+    }
+
+    /// Which colliders it meets.
+    pub fn collision_groups(mut self, groups: InteractionGroups) -> Self {
+        self.surface.collision_groups = groups;
+        self
+    }
+
+    /// Factor on the world's gravity.
+    pub fn gravity_scale(mut self, scale: Real) -> Self {
+        self.gravity_scale = scale;
+        self
+    }
+
+    /// D in the force −D·v on every node \[N·s/m\], the textbook's damping.
+    pub fn drag(mut self, drag: Real) -> Self {
+        self.drag = drag;
+        self
+    }
+
+    /// A scheme of its own.
+    pub fn integrator(mut self, integrator: Integrator) -> Self {
+        self.integrator = Some(integrator);
+        self
+    }
+
+    /// Substeps of its own.
+    pub fn substeps(mut self, substeps: Substeps) -> Self {
+        self.substeps = Some(substeps);
+        self
+    }
+
+    /// A force field on every node; wind is the example.
+    pub fn force_field(mut self, field: impl ForceField + 'static) -> Self {
+        self.field = Some(Arc::new(field));
+        self
+    }
+
+    /// Whether it takes part in the simulation from the start.
+    pub fn enabled(mut self, enabled: bool) -> Self {
+        self.enabled = enabled;
+        self
+    }
+
+    /// Anything the user wants to keep with the body.
+    pub fn user_data(mut self, data: u128) -> Self {
+        self.user_data = data;
+        self
+    }
+
+    /// Resolves materials and masses and places the body.
+    ///
+    /// # Errors
+    /// Everything a [`BuildError`] can say of nets, materials and values. Whether the body is stable within its budget is
+    /// checked at insertion into a world, which knows the default scheme.
+    pub fn build(self) -> Result<Deformable, BuildError> {
+        for (what, v) in [("the translation", self.pose.translation), ("the velocity", self.linvel), ("the angular velocity", self.angvel)] {
+            if let Some(value) = v.to_array().into_iter().find(|c| !c.is_finite()) {
+                return Err(BuildError::Value { what, value: value.into(), must: "finite" });
+            }
+        }
+        not_negative("the friction coefficient", self.surface.friction.into())?;
+        not_negative("the drag", self.drag.into())?;
+        if !self.gravity_scale.is_finite() {
+            return Err(BuildError::Value { what: "the gravity scale", value: self.gravity_scale.into(), must: "finite" });
+        }
+        if !self.pose.rotation.is_finite() {
+            return Err(BuildError::Value { what: "the rotation", value: f64::NAN, must: "finite" });
+        }
+        if let Some(substeps) = self.substeps {
+            substeps.check()?;
+        }
+        let (material, regions) = (self.material, self.regions);
+        for m in material.iter().chain(regions.iter().map(|(_, m)| m)) {
+            m.check()?;
+        }
+        let material_at = |p: Vector| regions.iter().rev().find(|(inside, _)| inside(p)).map(|(_, m)| *m).or(material);
+        let blueprint = Blueprint::resolve(self.net?, material_at, self.total_mass)?;
+        let mut state = blueprint.rest_state();
+        let (turn, shift) = (wide_rotation(self.pose.rotation), wide(self.pose.translation));
+        state.origin = shift;
+        for i in 0..state.particles.len() {
+            let (x, v) = (state.local(i), state.velocity(i));
+            state.set_position(i, shift + turn * x);
+            state.set_velocity(i, turn * v);
+        }
+        state.recentre(0.0);
+        let mut solver = Solver::new(&blueprint.springs, &state);
+        solver.external.drag = self.drag;
+        let mut body = Deformable {
+            slots: vec![u32::MAX; state.particles.len()],
+            backup: state.clone(),
+            blueprint,
+            state,
+            solver,
+            surface: self.surface,
+            gravity_scale: self.gravity_scale,
+            integrator: self.integrator,
+            substeps: self.substeps,
+            field: self.field,
+            enabled: self.enabled,
+            user_data: self.user_data,
+            ..Deformable::default()
+        };
+        let com = body.center_of_mass();
+        for i in 0..body.node_count() {
+            if body.state.particles[i].inv_mass > 0.0 {
+                let arm = body.state.position(i) - com;
+                let rigid = wide(self.linvel) + wide(self.angvel).cross(arm);
+                let v = body.state.velocity(i) + rigid;
+                body.state.set_velocity(i, v);
+            } else {
+                body.state.set_velocity(i, DVec3::ZERO);
+            }
+        }
+        body.datum = com;
+        Ok(body)
+    }
+}
+
+/// What a builder takes as a net: a net, or the result of a shape function.
+pub trait IntoNet {
+    /// The net, or why there is none.
+    fn into_net(self) -> Result<Net, BuildError>;
+}
+
+impl IntoNet for Net {
+    fn into_net(self) -> Result<Net, BuildError> {
+        Ok(self)
+    }
+}
+
+impl IntoNet for Result<Net, BuildError> {
+    fn into_net(self) -> Result<Net, BuildError> {
+        self
+    }
+}

@@ -1,0 +1,188 @@
+//! Groups: deformables that touch or are attached to the same moving body share their substeps and their rows.
+
+use super::report::StepReport;
+use super::substep::Group;
+use super::{AttachmentHandle, Deformable, DeformableHandle, DeformableWorld, RapierParts, reach};
+use crate::contact::candidates::Candidates;
+use crate::contact::target::Target;
+use crate::coupling::handover;
+use crate::coupling::memory::BodyMemory;
+use crate::coupling::observe::{self, Answer, Surroundings};
+use crate::solve::shadow::Shadow;
+use rapier3d::dynamics::RigidBodyHandle;
+use std::collections::BTreeMap;
+
+/// A rigid body that deformables of a group can touch.
+#[derive(Clone, Debug)]
+pub(super) struct Touched {
+    pub body: RigidBodyHandle,
+    pub answer: Answer,
+    pub start: Shadow,
+}
+
+/// A body that has been handed its first part and waits for the rest.
+#[derive(Clone, Debug)]
+pub(super) struct Waiting {
+    pub touched: Touched,
+    pub end: Shadow,
+    pub pending: handover::Pending,
+    /// Whether any node lay within 2 mm at the end of the substeps.
+    pub near: bool,
+}
+
+/// A sortable key of a body.
+pub(super) type BodyKey = (u32, u32);
+
+/// What one deformable can meet in this step.
+struct Reach {
+    handle: DeformableHandle,
+    targets: Vec<Target>,
+    attachments: Vec<AttachmentHandle>,
+}
+
+impl DeformableWorld {
+    /// Sorts the enabled deformables into groups for a rigid step of `dt` s. Each group takes its members out of the set
+    /// until it is dissolved.
+    pub(super) fn form_groups(&mut self, parts: &RapierParts, dt: f64) -> Vec<Group> {
+        let rigid_speed = reach::fastest_rigid(parts);
+        let mut unsupported = std::mem::take(&mut self.report.unsupported);
+        let reaches: Vec<Reach> = self
+            .iter()
+            .filter(|(_, body)| body.is_enabled())
+            .map(|(handle, body)| Reach {
+                handle,
+                targets: reach::targets(body, parts, rigid_speed, dt, &mut unsupported),
+                attachments: self.attachments_of(handle, parts),
+            })
+            .collect();
+        self.report.unsupported = unsupported;
+        let group_of = self.join(&reaches, parts);
+        let mut groups: BTreeMap<usize, Group> = BTreeMap::new();
+        let around = parts.surroundings();
+        for (i, reach) in reaches.into_iter().enumerate() {
+            let group = groups.entry(group_of[i]).or_insert_with(Group::new);
+            let Some(body) = self.take(reach.handle) else { continue };
+            let member = group.members.len();
+            group.members.push((reach.handle, body));
+            let mut candidates = Vec::new();
+            for mut target in reach.targets {
+                target.shadow = shadow_of(group, target.body, &mut self.memory, &around, dt);
+                let pair = group.add_pair(member, target.collider);
+                candidates.push(Candidates::new(target, pair));
+            }
+            group.candidates.push(candidates);
+            for handle in reach.attachments {
+                if let Some(attachment) = self.attachments.get(handle.0) {
+                    let shadow = shadow_of(group, Some(attachment.body), &mut self.memory, &around, dt);
+                    group.add_attachment(member, handle, shadow, attachment.clone());
+                }
+            }
+        }
+        groups.into_values().collect()
+    }
+
+    /// The smallest member index of the group of each deformable: those sharing a dynamic body are joined.
+    fn join(&self, reaches: &[Reach], parts: &RapierParts) -> Vec<usize> {
+        let mut parent: Vec<usize> = (0..reaches.len()).collect();
+        fn root(parent: &[usize], mut i: usize) -> usize {
+            while parent[i] != i {
+                i = parent[i];
+            }
+            i
+        }
+        let mut first: BTreeMap<BodyKey, usize> = BTreeMap::new();
+        for (i, reach) in reaches.iter().enumerate() {
+            let touched = reach.targets.iter().filter_map(|t| t.body);
+            let attached = reach.attachments.iter().filter_map(|h| Some(self.attachments.get(h.0)?.body));
+            for body in touched.chain(attached) {
+                if !parts.bodies.get(body).is_some_and(|b| b.is_dynamic()) {
+                    continue;
+                }
+                let other = *first.entry(body.into_raw_parts()).or_insert(i);
+                let (a, b) = (root(&parent, i), root(&parent, other));
+                parent[a.max(b)] = a.min(b);
+            }
+        }
+        (0..reaches.len()).map(|i| root(&parent, i)).collect()
+    }
+
+    fn attachments_of(&self, deformable: DeformableHandle, parts: &RapierParts) -> Vec<AttachmentHandle> {
+        self.attachments
+            .iter()
+            .filter(|(_, a)| a.deformable == deformable && parts.bodies.get(a.body).is_some_and(|b| b.is_enabled()))
+            .map(|(index, _)| AttachmentHandle(index))
+            .collect()
+    }
+
+    /// Puts the members of a group back and keeps what its rigid bodies wait for.
+    pub(super) fn dissolve(&mut self, group: Group, parts: &mut RapierParts, dt: f64) {
+        let finite = group.shadows.iter().all(|s| s.impulse.is_finite() && s.torque.is_finite());
+        let near = group.near_bodies(2e-3 * parts.length_unit());
+        for ((touched, end), near) in group.touched.into_iter().zip(group.shadows.into_iter().skip(1)).zip(near) {
+            let end = if finite { end } else { touched.start };
+            if let Some(body) = parts.bodies.get(touched.body) {
+                if !body.is_dynamic() {
+                    continue;
+                }
+                let untouched = end.impulse == Default::default() && end.torque == Default::default();
+                let pending = if untouched || touched.answer == Answer::None {
+                    handover::Pending::nothing()
+                } else if let Some(body) = parts.bodies.get_mut(touched.body) {
+                    handover::before_step(body, touched.answer, &touched.start, &end, parts.gravity, parts.integration_parameters, dt)
+                } else {
+                    continue;
+                };
+                self.waiting.push(Waiting { touched, end, pending, near });
+            }
+        }
+        for attachment in group.attachments {
+            if let Some(kept) = self.attachments.get_mut(attachment.handle.0) {
+                (kept.force, kept.torque) = (attachment.impulse / dt, attachment.torque / dt);
+            }
+        }
+        for (handle, body) in group.members {
+            self.put_back(handle, body);
+        }
+    }
+
+    pub(super) fn report_group(report: &mut StepReport, group: &Group, n: usize) {
+        for (handle, body) in &group.members {
+            report.add_substeps(*handle, n);
+            report.spring_updates += (n * body.spring_count()) as u64;
+        }
+    }
+}
+
+/// Index of the shadow of a body in the group, made if it is not there. Shadow 0 is the fixed world.
+fn shadow_of(
+    group: &mut Group,
+    body: Option<RigidBodyHandle>,
+    memory: &mut BTreeMap<BodyKey, BodyMemory>,
+    around: &Surroundings,
+    dt: f64,
+) -> u32 {
+    let Some((handle, body)) = body.and_then(|h| Some((h, around.bodies.get(h)?))) else {
+        return 0;
+    };
+    if let Some(i) = group.touched.iter().position(|t| t.body == handle) {
+        return i as u32 + 1;
+    }
+    let answer = observe::answer(handle, body, around);
+    let response = if answer == Answer::None {
+        1.0
+    } else {
+        let memory = memory.entry(handle.into_raw_parts()).or_default();
+        observe::response(handle, body, answer, memory, around)
+    };
+    let start = observe::shadow(body, answer, response, around, dt);
+    group.touched.push(Touched { body: handle, answer, start });
+    group.shadows.push(start);
+    group.shadows.len() as u32 - 1
+}
+
+impl Deformable {
+    /// Largest squared speed of any node \[m²/s²\].
+    pub(super) fn max_speed_squared(&self) -> f32 {
+        self.state.particles.iter().map(|p| p.v.iter().map(|c| c * c).sum::<f32>()).fold(0.0, f32::max)
+    }
+}

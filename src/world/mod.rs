@@ -1,0 +1,195 @@
+//! The world of deformables beside a Rapier world.
+
+mod attachment;
+mod builder;
+mod deformable;
+mod group;
+mod observer;
+mod params;
+mod parts;
+mod reach;
+mod report;
+mod step;
+mod substep;
+
+pub use builder::{DeformableBuilder, IntoNet};
+pub use deformable::{Deformable, Energies};
+pub use observer::{AttachmentImpulse, Observer, PairImpulse, SpringEvent, SpringEventKind, Substep};
+pub use params::{DeformableParameters, Substeps};
+pub use parts::RapierParts;
+pub use attachment::AttachError;
+pub use report::StepReport;
+
+use crate::body::BuildError;
+use crate::coupling::attach::Attachment;
+use crate::coupling::memory::BodyMemory;
+use crate::math::Vector;
+use group::{BodyKey, Waiting};
+use rapier3d::data::arena::{Arena, Index};
+use std::collections::BTreeMap;
+
+/// A deformable in a [`DeformableWorld`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct DeformableHandle(pub(crate) Index);
+
+/// An attachment in a [`DeformableWorld`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct AttachmentHandle(pub(crate) Index);
+
+/// Deformable bodies, and everything needed to step them beside a Rapier world.
+///
+/// ```
+/// use crumple::prelude::*;
+/// use crumple::rapier3d::prelude::*;
+/// let mut world = PhysicsWorld::default();
+/// world.insert(RigidBodyBuilder::fixed(), ColliderBuilder::cuboid(5.0, 0.1, 5.0));
+/// let mut deformables = DeformableWorld::default();
+/// let block = deformables.insert(
+///     DeformableBuilder::new(shape::lattice(Vector::splat(0.4), 0.1))
+///         .material(Material::rubber())
+///         .translation(Vector::new(0.0, 0.4, 0.0)),
+/// )?;
+/// for _ in 0..60 {
+///     deformables.step(&mut world);
+/// }
+/// assert!((deformables[block].center_of_mass().y - 0.3).abs() < 0.02);
+/// # Ok::<(), crumple::body::BuildError>(())
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct DeformableWorld {
+    /// Settings.
+    pub params: DeformableParameters,
+    bodies: Arena<Box<Deformable>>,
+    attachments: Arena<Attachment<DeformableHandle>>,
+    memory: BTreeMap<BodyKey, BodyMemory>,
+    waiting: Vec<Waiting>,
+    report: StepReport,
+    time: f64,
+    steps: u64,
+    fine_until: f64,
+    gravity: Option<Vector>,
+    parity: bool,
+}
+
+impl DeformableWorld {
+    /// An empty world with default settings.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a body.
+    ///
+    /// # Errors
+    /// Everything building can fail with, and [`BuildError::Unstable`] or [`BuildError::NeverStable`] for a body that is
+    /// not stable within its substeps.
+    pub fn insert(&mut self, body: impl TryInto<Deformable, Error = BuildError>) -> Result<DeformableHandle, BuildError> {
+        let mut body = body.try_into()?;
+        body.defaults = self.params;
+        body.check_budget()?;
+        Ok(DeformableHandle(self.bodies.insert(Box::new(body))))
+    }
+
+    /// Removes a body and its attachments. Rigid bodies that slept on it wake in the next step.
+    pub fn remove(&mut self, handle: DeformableHandle) -> Option<Deformable> {
+        let body = self.bodies.remove(handle.0)?;
+        self.attachments.retain(|_, a| a.deformable != handle);
+        Some(*body)
+    }
+
+    /// Whether the handle is that of a body in this world.
+    pub fn contains(&self, handle: DeformableHandle) -> bool {
+        self.bodies.contains(handle.0)
+    }
+
+    /// How many bodies there are.
+    pub fn len(&self) -> usize {
+        self.bodies.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.bodies.is_empty()
+    }
+
+    /// A body.
+    pub fn get(&self, handle: DeformableHandle) -> Option<&Deformable> {
+        self.bodies.get(handle.0).map(|b| &**b)
+    }
+
+    /// A body, to be changed.
+    pub fn get_mut(&mut self, handle: DeformableHandle) -> Option<&mut Deformable> {
+        self.bodies.get_mut(handle.0).map(|b| &mut **b)
+    }
+
+    /// All bodies, in the order of their slots.
+    pub fn iter(&self) -> impl Iterator<Item = (DeformableHandle, &Deformable)> {
+        self.bodies.iter().map(|(i, b)| (DeformableHandle(i), &**b))
+    }
+
+    /// All bodies, to be changed.
+    pub fn iter_mut(&mut self) -> impl Iterator<Item = (DeformableHandle, &mut Deformable)> {
+        self.bodies.iter_mut().map(|(i, b)| (DeformableHandle(i), &mut **b))
+    }
+
+    /// What the last step did.
+    pub fn report(&self) -> &StepReport {
+        &self.report
+    }
+
+    /// Simulated time \[s\].
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Hash of the state of all bodies and of the coupling memory, bit for bit.
+    pub fn state_hash(&self) -> u64 {
+        let bodies = self.iter().map(|(_, b)| b.state_hash());
+        let memory = self.memory.values().flat_map(|m| {
+            [
+                m.response.unwrap_or(-1.0).to_bits(),
+                m.load.x.to_bits(),
+                m.load.y.to_bits(),
+                m.load.z.to_bits(),
+                m.asleep.to_bits(),
+            ]
+        });
+        bodies
+            .chain(memory)
+            .chain([u64::from(self.parity)])
+            .fold(0xcbf2_9ce4_8422_2325, |hash, word| (hash ^ word).wrapping_mul(0x0000_0100_0000_01b3))
+    }
+
+    fn take(&mut self, handle: DeformableHandle) -> Option<Box<Deformable>> {
+        self.bodies.get_mut(handle.0).map(std::mem::take)
+    }
+
+    fn put_back(&mut self, handle: DeformableHandle, body: Box<Deformable>) {
+        if let Some(place) = self.bodies.get_mut(handle.0) {
+            *place = body;
+        }
+    }
+}
+
+impl std::ops::Index<DeformableHandle> for DeformableWorld {
+    type Output = Deformable;
+
+    /// # Panics
+    /// For a handle that is not of this world, like Rapier's sets; [`DeformableWorld::get`] does not panic.
+    fn index(&self, handle: DeformableHandle) -> &Deformable {
+        &self.bodies[handle.0]
+    }
+}
+
+impl std::ops::IndexMut<DeformableHandle> for DeformableWorld {
+    fn index_mut(&mut self, handle: DeformableHandle) -> &mut Deformable {
+        &mut self.bodies[handle.0]
+    }
+}
+
+impl TryFrom<DeformableBuilder> for Deformable {
+    type Error = BuildError;
+
+    fn try_from(builder: DeformableBuilder) -> Result<Self, BuildError> {
+        builder.build()
+    }
+}

@@ -1,0 +1,66 @@
+//! Rapier's sets by reference, for those who own the loop themselves.
+
+use crate::coupling::observe::Surroundings;
+use crate::math::Vector;
+use rapier3d::dynamics::{
+    ImpulseJointSet, IntegrationParameters, IslandManager, MultibodyJointSet, RigidBodySet,
+};
+use rapier3d::geometry::{BroadPhaseBvh, ColliderSet, NarrowPhase};
+use rapier3d::pipeline::PhysicsWorld;
+
+/// The parts of a Rapier world that deformables look at and act on.
+pub struct RapierParts<'a> {
+    /// Gravity \[m/s²\].
+    pub gravity: Vector,
+    /// Read for dt, solver iterations and the length unit; never written.
+    pub integration_parameters: &'a IntegrationParameters,
+    /// To wake bodies.
+    pub islands: &'a mut IslandManager,
+    /// To find colliders.
+    pub broad_phase: &'a BroadPhaseBvh,
+    /// To see which bodies touch others.
+    pub narrow_phase: &'a NarrowPhase,
+    /// The bodies that get impulses.
+    pub bodies: &'a mut RigidBodySet,
+    /// The colliders.
+    pub colliders: &'a ColliderSet,
+    /// To see which bodies are jointed.
+    pub impulse_joints: &'a ImpulseJointSet,
+    /// To see which bodies are links.
+    pub multibody_joints: &'a MultibodyJointSet,
+}
+
+impl<'a> From<&'a mut PhysicsWorld> for RapierParts<'a> {
+    fn from(world: &'a mut PhysicsWorld) -> Self {
+        Self {
+            gravity: world.gravity,
+            integration_parameters: &world.integration_parameters,
+            islands: &mut world.islands,
+            broad_phase: &world.broad_phase,
+            narrow_phase: &world.narrow_phase,
+            bodies: &mut world.bodies,
+            colliders: &world.colliders,
+            impulse_joints: &world.impulse_joints,
+            multibody_joints: &world.multibody_joints,
+        }
+    }
+}
+
+impl RapierParts<'_> {
+    pub(super) fn surroundings(&self) -> Surroundings<'_> {
+        Surroundings {
+            gravity: self.gravity,
+            parameters: self.integration_parameters,
+            bodies: self.bodies,
+            colliders: self.colliders,
+            narrow_phase: self.narrow_phase,
+            joints: self.impulse_joints,
+            multibodies: self.multibody_joints,
+        }
+    }
+
+    /// The world's length unit.
+    pub(super) fn length_unit(&self) -> f64 {
+        self.integration_parameters.length_unit.into()
+    }
+}

@@ -1,0 +1,307 @@
+//! One step of the world, top to bottom: before Rapier's step the deformables and the shadows of what they touch are
+//! advanced, then Rapier steps, then rigid bodies get the rest of their impulses.
+
+use super::group::Waiting;
+use super::observer::Observer;
+use super::report::{StepReport, note};
+use super::substep::{Group, Settings};
+use super::{DeformableWorld, RapierParts, reach};
+use crate::coupling::handover;
+use crate::math::{Pose, wide};
+use rapier3d::dynamics::{IntegrationParameters, RigidBodyHandle, RigidBodySet};
+use rapier3d::pipeline::{EventHandler, PhysicsHooks, PhysicsWorld};
+
+/// For how long Rapier goes on with short steps after a deformable was last in reach of an awake body \[s\].
+const FINE_FOR: f64 = 0.5;
+
+impl DeformableWorld {
+    /// Advances deformables and Rapier's world by `world.integration_parameters.dt`.
+    pub fn step(&mut self, world: &mut PhysicsWorld) {
+        self.step_with(world, &(), &(), &mut ());
+    }
+
+    /// As [`Self::step`], with Rapier's hooks and events, and an observer that sees every substep.
+    ///
+    /// dt = 0 applies changes made to Rapier's sets and moves nothing; a dt that is NaN, infinite or negative does nothing
+    /// at all and is reported.
+    pub fn step_with(
+        &mut self,
+        world: &mut PhysicsWorld,
+        hooks: &dyn PhysicsHooks,
+        events: &dyn EventHandler,
+        observer: &mut dyn Observer,
+    ) {
+        let dt = f64::from(world.integration_parameters.dt);
+        self.report = StepReport::default();
+        if !(dt.is_finite() && dt >= 0.0) {
+            self.report.invalid_dt = Some(dt);
+            return;
+        }
+        self.report.rigid_steps = 1;
+        if dt == 0.0 {
+            world.step_with_events(hooks, events);
+            return;
+        }
+        let steps = self.rigid_steps(&RapierParts::from(&mut *world), dt);
+        self.report.rigid_steps = steps;
+        let targets = KinematicTargets::read(&world.bodies, steps);
+        let mut parameters = world.integration_parameters;
+        parameters.dt = (dt / steps as f64) as f32;
+        for m in 0..steps {
+            targets.set(&mut world.bodies, m + 1, steps);
+            let left = dt * (steps - m) as f64 / steps as f64;
+            let mut parts = RapierParts::from(&mut *world);
+            parts.integration_parameters = &parameters;
+            self.advance(&mut parts, dt / steps as f64, dt, left, observer);
+            if steps == 1 {
+                world.step_with_events(hooks, events);
+            } else {
+                rapier_step(world, &parameters, hooks, events);
+            }
+            self.hand_over(&mut RapierParts::from(&mut *world), dt / steps as f64);
+        }
+        self.end_frame();
+    }
+
+    /// For those who own the loop: advances the deformables through `parts.integration_parameters.dt` and gives rigid
+    /// bodies the first part of their impulses. Make one Rapier step, then call [`Self::after_step`]. Heavy bodies on
+    /// light deformables want Rapier steps of [`max_rigid_dt`](super::DeformableParameters::max_rigid_dt) or less here,
+    /// which [`Self::step`] sees to by itself.
+    pub fn before_step(&mut self, parts: &mut RapierParts, observer: &mut dyn Observer) {
+        let dt = f64::from(parts.integration_parameters.dt);
+        self.report = StepReport::default();
+        if !(dt.is_finite() && dt >= 0.0) {
+            self.report.invalid_dt = Some(dt);
+        } else if dt > 0.0 {
+            self.report.rigid_steps = 1;
+            self.advance(parts, dt, dt, dt, observer);
+        }
+    }
+
+    /// The other half of [`Self::before_step`].
+    pub fn after_step(&mut self, parts: &mut RapierParts) {
+        let dt = f64::from(parts.integration_parameters.dt);
+        if self.report.invalid_dt.is_none() && dt > 0.0 {
+            self.hand_over(parts, dt);
+            self.end_frame();
+        }
+    }
+
+    /// M: how many Rapier steps this frame is cut into.
+    fn rigid_steps(&mut self, parts: &RapierParts, dt: f64) -> usize {
+        if self.can_touch_awake_body(parts, dt) {
+            self.fine_until = self.time + FINE_FOR;
+        } else if self.time >= self.fine_until {
+            return 1;
+        }
+        if self.params.max_rigid_dt > 0.0 {
+            // A hair less, so that 1/60 is four steps of 1/240 and not five.
+            return ((dt / self.params.max_rigid_dt - 1e-6).ceil() as usize).max(1);
+        }
+        let substeps = self.iter().filter(|(_, b)| b.is_enabled()).map(|(_, b)| b.substeps_for(dt, dt).0);
+        substeps.max().unwrap_or(1)
+    }
+
+    fn can_touch_awake_body(&self, parts: &RapierParts, dt: f64) -> bool {
+        let awake = |h: RigidBodyHandle| parts.bodies.get(h).is_some_and(|b| b.is_dynamic() && !b.is_sleeping() && b.is_enabled());
+        let speed = reach::fastest_rigid(parts);
+        let mut found = false;
+        for (_, body) in self.iter().filter(|(_, b)| b.is_enabled()) {
+            reach::for_each_in_reach(body, parts, speed, dt, |_, collider, _| {
+                found |= collider.parent().is_some_and(awake);
+            });
+        }
+        found || self.attachments.iter().any(|(_, a)| awake(a.body))
+    }
+
+    /// Advances all deformables through a rigid step of `dt` s, the `left` s of a `frame` that is not over yet.
+    fn advance(&mut self, parts: &mut RapierParts, dt: f64, frame: f64, left: f64, observer: &mut dyn Observer) {
+        self.drop_stale_attachments(parts);
+        self.wake_on_new_gravity(parts);
+        let defaults = self.params;
+        for (_, body) in self.bodies.iter_mut().filter(|(_, b)| b.is_enabled()) {
+            body.defaults = defaults;
+            body.state.recentre(parts.length_unit());
+            body.prepare(parts.gravity, left);
+            body.backup.clone_from(&body.state);
+        }
+        let mut parity = self.parity;
+        for mut group in self.form_groups(parts, dt) {
+            parity ^= self.advance_group(&mut group, parts, dt, frame, observer);
+            self.dissolve(group, parts, dt);
+        }
+        self.parity = parity;
+        self.time += dt;
+    }
+
+    /// Returns whether it took an odd number of substeps.
+    fn advance_group(&mut self, group: &mut Group, parts: &RapierParts, dt: f64, frame: f64, observer: &mut dyn Observer) -> bool {
+        let unit = parts.length_unit();
+        let settings = Settings {
+            passes: self.params.passes,
+            push_out: self.params.push_out_speed * unit,
+            margin: 0.05 * unit,
+            touching: 1e-5 * unit,
+            length_unit: unit,
+        };
+        // The stable substep changes as bodies crumple, so a long rigid step is looked at anew in stretches.
+        let stretches = ((dt / self.params.review_interval.max(1e-6) - 1e-6).ceil() as usize).max(1);
+        let stretch = dt / stretches as f64;
+        let mut time = self.time;
+        let mut parity = self.parity;
+        for _ in 0..stretches {
+            let n = self.group_substeps(group, stretch, frame);
+            Self::report_group(&mut self.report, group, n);
+            for _ in 0..n {
+                let h = stretch / n as f64;
+                time += h;
+                parity = !parity;
+                if !group.substep(h, time, parity, &settings, observer) {
+                    self.freeze(group);
+                    return false;
+                }
+            }
+        }
+        parity != self.parity
+    }
+
+    fn group_substeps(&mut self, group: &Group, dt: f64, frame: f64) -> usize {
+        let mut most = 1;
+        for (handle, body) in &group.members {
+            let (n, unstable) = body.substeps_for(dt, frame);
+            most = most.max(n);
+            if unstable {
+                note(&mut self.report.unstable, *handle);
+            }
+        }
+        most
+    }
+
+    /// Reports the frozen bodies of a group and puts the others back to the start of the rigid step: what they got from a
+    /// body that was no longer finite is worthless.
+    fn freeze(&mut self, group: &mut Group) {
+        for (handle, body) in &mut group.members {
+            if body.frozen {
+                log::warn!("deformable {handle:?} became non-finite and was frozen");
+                note(&mut self.report.frozen, *handle);
+            } else {
+                body.state.clone_from(&body.backup);
+            }
+            body.slots.fill(u32::MAX);
+        }
+        for (touched, shadow) in group.touched.iter().zip(&mut group.shadows[1..]) {
+            *shadow = touched.start;
+        }
+        for attachment in &mut group.attachments {
+            (attachment.impulse, attachment.torque) = Default::default();
+        }
+    }
+
+    /// Gives rigid bodies the rest of their impulses, learns their response, and wakes sleepers whose load has changed.
+    fn hand_over(&mut self, parts: &mut RapierParts, dt: f64) {
+        self.steps += 1;
+        for Waiting { touched, end, pending, near } in std::mem::take(&mut self.waiting) {
+            let memory = self.memory.entry(touched.body.into_raw_parts()).or_default();
+            memory.seen = self.steps;
+            memory.near = near;
+            memory.feel(end.impulse, dt);
+            if pending.is_something()
+                && let Some(body) = parts.bodies.get_mut(touched.body)
+            {
+                self.report.coupling_defect += handover::after_step(body, &pending, &end, memory);
+            }
+        }
+        self.watch_sleepers(parts, dt);
+    }
+
+    fn watch_sleepers(&mut self, parts: &mut RapierParts, dt: f64) {
+        let gravity = wide(parts.gravity).length();
+        let mut wake = Vec::new();
+        let steps = self.steps;
+        self.memory.retain(|&(index, generation), memory| {
+            let handle = RigidBodyHandle::from_raw_parts(index, generation);
+            let Some(body) = parts.bodies.get(handle) else {
+                return false;
+            };
+            let near = memory.near && memory.seen == steps;
+            if memory.seen != steps {
+                memory.feel(Default::default(), dt);
+            }
+            let weight = f64::from(body.mass()) * gravity;
+            if memory.watch_sleep(body.is_sleeping(), near, weight, dt) {
+                wake.push(handle);
+            }
+            memory.seen == steps || body.is_sleeping()
+        });
+        for handle in wake {
+            parts.islands.wake_up(parts.bodies, handle, true);
+        }
+    }
+
+    /// Rapier lets sleepers sleep when gravity changes; those that lie on deformables are woken.
+    fn wake_on_new_gravity(&mut self, parts: &mut RapierParts) {
+        let old = self.gravity.replace(parts.gravity);
+        if old.is_some_and(|g| g != parts.gravity) {
+            for &(index, generation) in self.memory.keys() {
+                let handle = RigidBodyHandle::from_raw_parts(index, generation);
+                if parts.bodies.get(handle).is_some_and(|b| b.is_sleeping()) {
+                    parts.islands.wake_up(parts.bodies, handle, true);
+                }
+            }
+        }
+    }
+
+    fn end_frame(&mut self) {
+        for (_, body) in self.bodies.iter_mut() {
+            body.end_frame();
+        }
+    }
+}
+
+/// Rapier's step with other parameters than the world's own, which stay as they are.
+fn rapier_step(world: &mut PhysicsWorld, parameters: &IntegrationParameters, hooks: &dyn PhysicsHooks, events: &dyn EventHandler) {
+    world.physics_pipeline.step(
+        world.gravity,
+        parameters,
+        &mut world.islands,
+        &mut world.broad_phase,
+        &mut world.narrow_phase,
+        &mut world.bodies,
+        &mut world.colliders,
+        &mut world.impulse_joints,
+        &mut world.multibody_joints,
+        &mut world.soft_bodies,
+        &mut world.ccd_solver,
+        hooks,
+        events,
+    );
+}
+
+/// Where position-based kinematic bodies go in a frame of several Rapier steps: a part of the way in each, the last one
+/// exactly to the user's target.
+struct KinematicTargets(Vec<(RigidBodyHandle, Pose, Pose)>);
+
+impl KinematicTargets {
+    fn read(bodies: &RigidBodySet, steps: usize) -> Self {
+        if steps == 1 {
+            return Self(Vec::new());
+        }
+        Self(
+            bodies
+                .iter()
+                .filter(|(_, b)| b.body_type() == rapier3d::dynamics::RigidBodyType::KinematicPositionBased)
+                .filter(|(_, b)| b.position() != b.next_position())
+                .map(|(h, b)| (h, *b.position(), *b.next_position()))
+                .collect(),
+        )
+    }
+
+    fn set(&self, bodies: &mut RigidBodySet, step: usize, steps: usize) {
+        for (handle, start, end) in &self.0 {
+            let pose = if step == steps { *end } else { start.lerp(end, step as f32 / steps as f32) };
+            if let Some(body) = bodies.get_mut(*handle) {
+                body.set_next_kinematic_position(pose);
+            }
+        }
+    }
+}

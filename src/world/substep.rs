@@ -1,0 +1,313 @@
+//! One substep of a group, readable at once: bodies move freely, rows answer, shadows follow.
+
+use super::group::Touched;
+use super::observer::{AttachmentImpulse, Observer, PairImpulse, SpringEvent, SpringEventKind, Substep};
+use super::{AttachmentHandle, Deformable, DeformableHandle};
+use crate::body::SpringId;
+use crate::contact::candidates::{Candidates, Reach};
+use crate::coupling::attach::Attachment;
+use crate::law::row::push_out;
+use crate::math::DVec3;
+use crate::solve::rows::{RowNode, Rows};
+use crate::solve::shadow::Shadow;
+use rapier3d::geometry::ColliderHandle;
+
+/// An attachment while its group is advanced.
+#[derive(Clone, Debug)]
+pub(super) struct Attached {
+    pub handle: AttachmentHandle,
+    pub member: u32,
+    pub shadow: u32,
+    pub attachment: Attachment<DeformableHandle>,
+    /// Impulse and angular impulse on the rigid body in this rigid step.
+    pub impulse: DVec3,
+    pub torque: DVec3,
+}
+
+/// Deformables that share substeps and rows, and the shadows of what they can touch.
+#[derive(Debug, Default)]
+pub(super) struct Group {
+    pub members: Vec<(DeformableHandle, Box<Deformable>)>,
+    /// Per member, sorted by collider.
+    pub candidates: Vec<Vec<Candidates>>,
+    /// The first is the fixed world, the others belong to `touched`.
+    pub shadows: Vec<Shadow>,
+    pub touched: Vec<Touched>,
+    pub attachments: Vec<Attached>,
+    pairs: Vec<PairImpulse>,
+    tied: Vec<AttachmentImpulse>,
+    rows: Rows,
+}
+
+/// Settings of a substep.
+#[derive(Clone, Copy)]
+pub(super) struct Settings {
+    pub passes: usize,
+    /// Speed of the push-out \[m/s\].
+    pub push_out: f64,
+    /// Margin of candidate lists \[m\].
+    pub margin: f64,
+    /// Distance that counts as touching \[m\].
+    pub touching: f64,
+    /// The world's length unit.
+    pub length_unit: f64,
+}
+
+impl Group {
+    pub fn new() -> Self {
+        Self {
+            shadows: vec![Shadow::FIXED],
+            ..Self::default()
+        }
+    }
+
+    pub fn add_pair(&mut self, member: usize, collider: ColliderHandle) -> u32 {
+        self.pairs.push(PairImpulse {
+            deformable: self.members[member].0,
+            collider,
+            impulse: DVec3::ZERO,
+            depth: 0.0,
+            touching: 0,
+        });
+        self.pairs.len() as u32 - 1
+    }
+
+    pub fn add_attachment(
+        &mut self,
+        member: usize,
+        handle: AttachmentHandle,
+        shadow: u32,
+        attachment: Attachment<DeformableHandle>,
+    ) {
+        self.tied.push(AttachmentImpulse {
+            attachment: handle,
+            deformable: attachment.deformable,
+            impulse: DVec3::ZERO,
+        });
+        self.attachments.push(Attached {
+            handle,
+            member: member as u32,
+            shadow,
+            attachment,
+            impulse: DVec3::ZERO,
+            torque: DVec3::ZERO,
+        });
+    }
+
+    /// Advances the group by h s, to `time`. `reversed` picks the order of the rows. `false` if a body has become
+    /// non-finite; it is then frozen and the group's impulses are worthless.
+    pub fn substep(&mut self, h: f64, time: f64, reversed: bool, s: &Settings, observer: &mut dyn Observer) -> bool {
+        for shadow in &mut self.shadows[1..] {
+            shadow.accelerate(h);
+        }
+        self.find_rows(h, s);
+        for (_, body) in &mut self.members {
+            body.predict(h);
+        }
+        self.read_free_velocities();
+        self.rows.solve(&mut self.shadows, h, s.passes, reversed);
+        self.write_velocities(h);
+        self.push_out(h, s);
+        self.book_work();
+        for (_, body) in &mut self.members {
+            body.finish(h);
+        }
+        for shadow in &mut self.shadows[1..] {
+            shadow.advance(h);
+        }
+        if !self.freeze_broken() {
+            return false;
+        }
+        self.report(h, time, observer);
+        true
+    }
+
+    /// Contacts and ties at the positions the substep starts from.
+    fn find_rows(&mut self, h: f64, s: &Settings) {
+        self.rows.clear();
+        for (m, ((_, body), candidates)) in self.members.iter_mut().zip(&mut self.candidates).enumerate() {
+            let speed = f64::from(body.solver.speed_squared).sqrt();
+            for c in candidates.iter_mut() {
+                let shadow = &self.shadows[c.target.shadow as usize];
+                let target_speed = shadow.v.length() + shadow.w.length() * (c.target.offset.length() + 4.0 * s.length_unit);
+                let moved = h * (speed + target_speed);
+                c.refresh(&body.state, shadow, moved, s.margin);
+                let slack = h * s.length_unit;
+                let reach = Reach {
+                    h,
+                    touching: s.touching,
+                    slack,
+                    farthest: s.touching + slack + 2.0 * moved,
+                };
+                c.add_rows(m as u32, &body.state, shadow, &mut body.slots, &mut self.rows, reach);
+            }
+        }
+        for (i, a) in self.attachments.iter().enumerate() {
+            let body = &mut self.members[a.member as usize].1;
+            let shadow = (a.shadow, &self.shadows[a.shadow as usize]);
+            a.attachment.add_ties(i as u32, a.member, shadow, &body.state, &mut body.slots, &mut self.rows);
+        }
+    }
+
+    fn read_free_velocities(&mut self) {
+        for node in &mut self.rows.nodes {
+            node.free = self.members[node.body as usize].1.state.velocity(node.node as usize);
+            node.v = node.free;
+        }
+    }
+
+    fn write_velocities(&mut self, h: f64) {
+        for node in &self.rows.nodes {
+            let body = &mut self.members[node.body as usize].1;
+            body.slots[node.node as usize] = u32::MAX;
+            if node.v != node.free {
+                let integrator = body.integrator();
+                let Deformable { solver, state, .. } = &mut **body;
+                solver.kick(state, integrator, node.node as usize, node.v - node.free, h);
+            }
+        }
+    }
+
+    /// Mends depth and tie errors at position level, on the node alone. What that changes in stored energy is booked.
+    fn push_out(&mut self, h: f64, s: &Settings) {
+        for row in self.rows.contacts.iter().filter(|r| r.depth > 0.0) {
+            let by = row.normal * push_out(row.depth, h, s.push_out);
+            displace(&mut self.members, &self.rows.nodes[row.node as usize], by);
+        }
+        for tie in &self.rows.ties {
+            let length = tie.error.length();
+            if length > 0.0 {
+                let by = tie.error * (-push_out(length, h, s.push_out) / length);
+                displace(&mut self.members, &self.rows.nodes[tie.node as usize], by);
+            }
+        }
+    }
+
+    /// Work of every row by the trapezoid rule over the displacements actually made.
+    fn book_work(&mut self) {
+        for row in &self.rows.contacts {
+            let impulse = row.normal * row.normal_impulse + row.friction_impulse;
+            let shadow = &self.shadows[row.shadow as usize];
+            let (mean, work) = mean_velocity(&mut self.members, &self.rows.nodes[row.node as usize], impulse);
+            let rigid = 0.5 * (shadow.velocity_before(row.arm) + shadow.velocity_at(row.arm));
+            work.contact_normal -= row.normal_impulse * row.normal.dot(mean - rigid);
+            work.contact_friction -= row.friction_impulse.dot(mean - rigid);
+            work.rigid += impulse.dot(rigid);
+            let pair = &mut self.pairs[row.pair as usize];
+            pair.impulse += impulse;
+            pair.depth = pair.depth.max(row.depth);
+            pair.touching += u32::from(row.normal_impulse > 0.0);
+        }
+        for tie in &self.rows.ties {
+            let (mean, work) = mean_velocity(&mut self.members, &self.rows.nodes[tie.node as usize], tie.impulse);
+            work.rigid += tie.impulse.dot(mean);
+            let attached = &mut self.attachments[tie.attachment as usize];
+            attached.impulse -= tie.impulse;
+            attached.torque -= tie.arm.cross(tie.impulse);
+            self.tied[tie.attachment as usize].impulse += tie.impulse;
+        }
+    }
+
+    fn freeze_broken(&mut self) -> bool {
+        let mut sound = true;
+        for (_, body) in &mut self.members {
+            if !body.solver.speed_squared.is_finite() {
+                body.freeze();
+                sound = false;
+            }
+        }
+        sound
+    }
+
+    fn report(&mut self, h: f64, time: f64, observer: &mut dyn Observer) {
+        for (handle, body) in &mut self.members {
+            let Deformable { solver, state, blueprint, .. } = &mut **body;
+            for e in solver.events.drain(..) {
+                let [a, b] = blueprint.springs[e.spring as usize].nodes;
+                observer.event(&SpringEvent {
+                    kind: if e.broke { SpringEventKind::Broke } else { SpringEventKind::YieldBegan },
+                    deformable: *handle,
+                    spring: SpringId(e.spring),
+                    position: (state.position(a as usize) + state.position(b as usize)) * 0.5,
+                    time,
+                    force: e.tension.into(),
+                    energy: e.energy.into(),
+                });
+            }
+        }
+        observer.substep(&Substep {
+            time,
+            h,
+            deformables: &self.members,
+            contacts: &self.pairs,
+            attachments: &self.tied,
+        });
+        for pair in &mut self.pairs {
+            (pair.impulse, pair.depth, pair.touching) = (DVec3::ZERO, 0.0, 0);
+        }
+        for tied in &mut self.tied {
+            tied.impulse = DVec3::ZERO;
+        }
+    }
+
+    /// Per touched body, whether any node lies within `distance` m of it.
+    pub fn near_bodies(&self, distance: f64) -> Vec<bool> {
+        let mut near = vec![false; self.touched.len()];
+        for ((_, body), candidates) in self.members.iter().zip(&self.candidates) {
+            for c in candidates {
+                let Some(i) = (c.target.shadow as usize).checked_sub(1) else { continue };
+                near[i] = near[i] || c.any_within(&body.state, &self.shadows[i + 1], distance);
+            }
+        }
+        for a in &self.attachments {
+            if let Some(i) = (a.shadow as usize).checked_sub(1) {
+                near[i] = true;
+            }
+        }
+        near
+    }
+}
+
+impl Deformable {
+    fn predict(&mut self, h: f64) {
+        let integrator = self.integrator();
+        let Self { solver, state, field, .. } = self;
+        solver.predict(state, integrator, h, field.as_deref());
+        self.h = h;
+    }
+
+    fn finish(&mut self, h: f64) {
+        let integrator = self.integrator();
+        let Self { solver, state, field, .. } = self;
+        solver.finish(state, integrator, h, field.as_deref());
+    }
+}
+
+type Members = [(DeformableHandle, Box<Deformable>)];
+
+fn displace(members: &mut Members, node: &RowNode, by: DVec3) {
+    let body = &mut members[node.body as usize].1;
+    let i = node.node as usize;
+    let mass = f64::from(body.blueprint.nodes[i].mass);
+    let force = body.solver.force(i) + body.gravity() * mass;
+    body.solver.work.push_out -= force.dot(by);
+    let step = by.as_vec3().to_array();
+    body.state.displace(i, step);
+}
+
+/// The velocity whose product with an impulse on a node is its work, and where to book it. Whatever holds a pinned node
+/// takes up the work of the impulse.
+fn mean_velocity<'a>(
+    members: &'a mut Members,
+    node: &RowNode,
+    impulse: DVec3,
+) -> (DVec3, &'a mut crate::solve::work::Work) {
+    let body = &mut members[node.body as usize].1;
+    let lag = body.integrator().contact_lag();
+    let mean = 0.5 * (node.free + node.v) - lag * (node.free - node.before);
+    let work = &mut body.solver.work;
+    if node.inv_mass == 0.0 {
+        work.external -= impulse.dot(mean);
+    }
+    (mean, work)
+}

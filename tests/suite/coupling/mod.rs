@@ -1,0 +1,1 @@
+//! Two-way coupling with Rapier's rigid bodies.

@@ -1,0 +1,5 @@
+//! All tests of behaviour in one binary, so that the crate is linked once.
+
+mod coupling;
+mod support;
+mod validation;

@@ -1,0 +1,4 @@
+//! Closed forms and discrete references.
+
+mod crash;
+mod impact;
