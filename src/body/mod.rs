@@ -6,8 +6,10 @@ pub mod id;
 pub mod material;
 pub mod net;
 pub mod shape;
+pub mod surface;
 
 pub use error::BuildError;
 pub use id::{NodeId, SpringId};
 pub use material::Material;
 pub use net::{Binding, Net, Node, Skin, Spring};
+pub use surface::{Group, Surface};

@@ -1,1 +1,10 @@
 //! Shape functions: each returns a [`Net`](super::Net) whose springs carry sections and whose nodes carry volumes.
+
+mod cells;
+mod lattice;
+mod rope;
+mod sheet;
+
+pub use lattice::lattice;
+pub use rope::rope;
+pub use sheet::{BENDING_SHARE, sheet, sheet_with_bending};
