@@ -5,6 +5,8 @@
 pub use rapier3d;
 
 pub mod body;
+#[cfg(feature = "import")]
+pub mod import;
 pub mod math;
 
 /// Shape functions: lattice, sheet, rope and filled surfaces.
