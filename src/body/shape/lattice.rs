@@ -99,6 +99,27 @@ impl CellSections {
         }
     }
 
+    /// Σ k·L²/E over the springs of one cell with these corners \[m³\]: 6 times the volume for a cube, because the sum
+    /// over the axes of an isotropic solid's C with λ = μ = 2E/5 is 15μ.
+    pub fn modulus_sum(&self, corners: &[DVec3; 8]) -> f64 {
+        let mut sum = 0.0;
+        for a in 0..8_usize {
+            for axis in 0..3 {
+                // Edges from their near end; diagonals once, from the corner that is low along the face's first axis.
+                let (u, v) = (1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3));
+                if a & (1 << axis) == 0 {
+                    let l2 = corners[a].distance_squared(corners[a | 1 << axis]);
+                    sum += self.edge[axis] * l2;
+                }
+                if a & u == 0 {
+                    let l2 = corners[a].distance_squared(corners[(a | u) ^ v]);
+                    sum += self.diagonal[axis] * l2;
+                }
+            }
+        }
+        sum
+    }
+
     /// Section of a kind of spring of a length \[m²\].
     pub fn section(&self, kind: Kind, length: f64) -> f64 {
         self.per_young(kind) * length
