@@ -4,7 +4,10 @@
 //! the path and the line, what is wrong with the *shape* is a [`BuildError`](crate::body::BuildError) from the surface's
 //! own checks, so that the same surface made in code gets the same answer.
 
+mod hatchback;
 pub mod obj;
+
+pub use hatchback::hatchback;
 
 use std::path::PathBuf;
 
