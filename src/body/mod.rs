@@ -1,6 +1,7 @@
 //! What a body is: a [`Net`](net::Net) of nodes and springs, the constants a [`Material`] gives them, and the state a
 //! solver writes.
 
+mod crossing;
 pub mod error;
 pub mod id;
 pub mod material;

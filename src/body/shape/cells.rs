@@ -48,7 +48,7 @@ impl CellGrid {
     /// [`BuildError::Value`] above fifty million grid points.
     pub fn new(counts: [f64; 3], solid: bool) -> Result<Self, BuildError> {
         let points: f64 = counts.iter().map(|n| n + 1.0).product();
-        if !(points <= MAX_NODES) {
+        if points.is_nan() || points > MAX_NODES {
             return Err(BuildError::Value {
                 what: "the number of nodes of the lattice",
                 value: points,
@@ -99,6 +99,11 @@ impl CellGrid {
     /// The grid points of a cell; bit d of the place says whether the corner is the far one along axis d.
     pub fn corners(&self, at: [usize; 3]) -> [usize; 8] {
         std::array::from_fn(|c| self.point(corner(at, c)))
+    }
+
+    /// Where the corners of a cell are, given the place of every grid point.
+    pub fn places(&self, cell: usize, places: &[DVec3]) -> [DVec3; 8] {
+        self.corners(self.cell_at(cell)).map(|point| places[point])
     }
 
     /// The solid cells that share the spring from grid point `at` to `at + step`.

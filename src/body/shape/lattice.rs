@@ -77,11 +77,11 @@ impl CellSections {
         let volume = s[0] * s[1] * s[2];
         let mut left = [3.0 * MU; 3];
         let mut diagonal = [0.0; 3];
-        for axis in 0..3 {
+        for (axis, diagonal) in diagonal.iter_mut().enumerate() {
             let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
             let (u2, v2) = (s[u] * s[u], s[v] * s[v]);
             let mu = MU * (max_aspect * u2.min(v2) / u2.max(v2)).min(1.0);
-            diagonal[axis] = mu * volume * (u2 + v2) / (4.0 * u2 * v2);
+            *diagonal = mu * volume * (u2 + v2) / (4.0 * u2 * v2);
             left[u] -= mu * u2 / v2;
             left[v] -= mu * v2 / u2;
         }

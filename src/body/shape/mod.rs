@@ -7,6 +7,7 @@ mod inside;
 mod lattice;
 mod rope;
 mod sheet;
+mod skin;
 
 pub use filled::filled;
 pub use lattice::lattice;
