@@ -325,7 +325,17 @@ fn main() {
                 g(a).abs() < 0.015 && g(b).abs() < 0.015 && g((a + 1) % 4) * g((b + 1) % 4) < 0.0
             })
         };
-        let first = if on(0, 2) != on(1, 3) {
+        // Of a quad that is not convex, one diagonal folds the surface over: how far its two triangles face alike.
+        let alike = |a: usize, b: usize| {
+            let [p, r] = [place(q[a]), place(q[b])];
+            let [s, t] = [place(q[(a + 1) % 4]), place(q[(b + 1) % 4])];
+            let [n, m] = [(s - p).cross(r - p), (r - p).cross(t - p)];
+            n.dot(m) / (n.length() * m.length()).max(1.0e-12)
+        };
+        let (fold, other) = (alike(0, 2), alike(1, 3));
+        let first = if fold.min(other) < -0.2 && (fold - other).abs() > 0.2 {
+            fold > other
+        } else if on(0, 2) != on(1, 3) {
             on(0, 2)
         } else {
             off(0, 2) <= off(1, 3)

@@ -1,4 +1,4 @@
-//! What a body is: a [`Net`](net::Net) of nodes and springs, the constants a [`Material`] gives them, and the state a
+//! What a body is: a [`Net`] of nodes and springs, the constants a [`Material`] gives them, and the state a
 //! solver writes.
 
 mod crossing;
