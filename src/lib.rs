@@ -8,6 +8,8 @@ pub mod body;
 pub mod contact;
 pub mod coupling;
 pub mod law;
+#[cfg(feature = "import")]
+pub mod import;
 pub mod math;
 pub mod solve;
 pub mod world;

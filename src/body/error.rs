@@ -120,6 +120,14 @@ pub enum BuildError {
         /// Its area.
         area: Real,
     },
+    /// The cells a surface is to be filled with are larger than what is inside it.
+    #[error("no cell of {cell} m has its centre inside the surface; cells of {enough} m do")]
+    CellTooLarge {
+        /// The side of the cells \[m\].
+        cell: f64,
+        /// A side with which at least one cell fits \[m\].
+        enough: f64,
+    },
     /// No stable substep fits the budget.
     #[error(
         "spring {spring} (k = {stiffness} N/m, c = {damping} N·s/m, between {mass_a} kg and {mass_b} kg) needs substeps of {needed_h:e} s, shorter than the {min_h:e} s allowed; lower its stiffness or damping, make its nodes heavier, or allow more substeps with `Substeps`"

@@ -1,13 +1,15 @@
-//! What a body is: a [`Net`](net::Net) of nodes and springs, the constants a [`Material`] gives them, and the state a
+//! What a body is: a [`Net`] of nodes and springs, the constants a [`Material`] gives them, and the state a
 //! solver writes.
 
 pub mod blueprint;
+mod crossing;
 pub mod error;
 pub mod id;
 pub mod material;
 pub mod net;
 pub mod shape;
 pub mod state;
+pub mod surface;
 
 pub use blueprint::Blueprint;
 pub use error::BuildError;
@@ -15,3 +17,4 @@ pub use id::{NodeId, SpringId};
 pub use material::Material;
 pub use net::{Binding, Net, Node, Skin, Spring};
 pub use state::State;
+pub use surface::{Group, Surface};
