@@ -7,9 +7,9 @@ pub use rapier3d;
 pub mod body;
 pub mod contact;
 pub mod coupling;
-pub mod law;
 #[cfg(feature = "import")]
 pub mod import;
+pub mod law;
 pub mod math;
 pub mod solve;
 pub mod world;
@@ -23,7 +23,7 @@ pub mod prelude {
     pub use crate::shape;
     pub use crate::solve::Integrator;
     pub use crate::world::{
-        AttachmentHandle, Deformable, DeformableBuilder, DeformableHandle, DeformableParameters, DeformableWorld,
-        Observer, Substeps,
+        AttachmentHandle, Deformable, DeformableBuilder, DeformableHandle, DeformableParameters,
+        DeformableWorld, Observer, Substeps,
     };
 }

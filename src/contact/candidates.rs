@@ -54,9 +54,10 @@ impl Candidates {
         let shift = state.origin - frame.position;
         let target = &self.target;
         self.nodes.clear();
-        self.nodes.extend((0..state.particles.len() as u32).filter(|&i| {
-            target.depth(&frame, state.local(i as usize) + shift).0 > -margin
-        }));
+        self.nodes.extend(
+            (0..state.particles.len() as u32)
+                .filter(|&i| target.depth(&frame, state.local(i as usize) + shift).0 > -margin),
+        );
     }
 
     /// Adds a row for every candidate that can touch within h s. `slots` maps nodes to row nodes (`u32::MAX`: none yet).
@@ -105,9 +106,9 @@ impl Candidates {
     pub fn any_within(&self, state: &State<Real>, shadow: &Shadow, distance: f64) -> bool {
         let frame: Frame = self.target.frame(shadow);
         let shift = state.origin - frame.position;
-        self.nodes.iter().any(|&i| {
-            self.target.depth(&frame, state.local(i as usize) + shift).0 > -distance
-        })
+        self.nodes
+            .iter()
+            .any(|&i| self.target.depth(&frame, state.local(i as usize) + shift).0 > -distance)
     }
 }
 

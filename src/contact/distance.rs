@@ -50,8 +50,10 @@ impl Primitive {
             Self::Cuboid(half) => cuboid(p, half),
             Self::Capsule(a, b, radius) => {
                 let ab = b - a;
-                let t = ((p - a).dot(ab) / ab.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-                let (length, n) = direction(p - (a + ab * t), ab.any_orthogonal_vector().normalize());
+                let t =
+                    ((p - a).dot(ab) / ab.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+                let (length, n) =
+                    direction(p - (a + ab * t), ab.any_orthogonal_vector().normalize());
                 (length - radius, n)
             }
             Self::Cylinder(half_height, radius) => cylinder(p, half_height, radius),
@@ -72,7 +74,11 @@ fn direction(v: DVec3, fallback: DVec3) -> (f64, DVec3) {
 }
 
 fn cuboid(p: DVec3, half: DVec3) -> (f64, DVec3) {
-    let sign = DVec3::new(1.0_f64.copysign(p.x), 1.0_f64.copysign(p.y), 1.0_f64.copysign(p.z));
+    let sign = DVec3::new(
+        1.0_f64.copysign(p.x),
+        1.0_f64.copysign(p.y),
+        1.0_f64.copysign(p.z),
+    );
     let q = p.abs() - half;
     let outside = q.max(DVec3::ZERO);
     if outside != DVec3::ZERO {
@@ -115,12 +121,18 @@ mod tests {
         let shapes = [
             SharedShape::ball(0.7),
             SharedShape::cuboid(0.5, 0.3, 0.8),
-            SharedShape::capsule(Vector::new(-0.2, -0.4, 0.1), Vector::new(0.3, 0.5, 0.0), 0.25),
+            SharedShape::capsule(
+                Vector::new(-0.2, -0.4, 0.1),
+                Vector::new(0.3, 0.5, 0.0),
+                0.25,
+            ),
             SharedShape::cylinder(0.5, 0.35),
         ];
         let mut seed = 1_u64;
         let mut random = || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            seed = seed
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             (seed >> 40) as f32 / (1 << 23) as f32 - 1.0
         };
         for shape in &shapes {
@@ -131,12 +143,18 @@ mod tests {
                 let reference = shape.project_local_point(p, false);
                 let sign = if reference.is_inside { -1.0 } else { 1.0 };
                 let distance = f64::from((p - reference.point).length()) * sign;
-                assert!((d - distance).abs() < 2e-6, "{primitive:?} at {p}: {d} against {distance}");
+                assert!(
+                    (d - distance).abs() < 2e-6,
+                    "{primitive:?} at {p}: {d} against {distance}"
+                );
                 assert!((n.length() - 1.0).abs() < 1e-9);
                 // The normal is the gradient of the distance.
                 let step = 1e-4;
                 let further = primitive.signed_distance(p.as_dvec3() + n * step).0;
-                assert!((further - d - step).abs() < 1e-6, "{primitive:?} at {p}: normal {n}");
+                assert!(
+                    (further - d - step).abs() < 1e-6,
+                    "{primitive:?} at {p}: normal {n}"
+                );
             }
         }
     }
@@ -145,9 +163,15 @@ mod tests {
     fn the_normal_on_the_surface_is_that_of_the_face() {
         let half = DVec3::new(0.5, 0.3, 0.8);
         for offset in [-1e-9, 0.0, 1e-9] {
-            let (_, n) = Primitive::Cuboid(half).signed_distance(DVec3::new(0.1, 0.3 + offset, 0.2));
+            let (_, n) =
+                Primitive::Cuboid(half).signed_distance(DVec3::new(0.1, 0.3 + offset, 0.2));
             assert_eq!(n, DVec3::Y);
         }
-        assert!(Primitive::Ball(1.0).signed_distance(DVec3::ZERO).1.is_finite());
+        assert!(
+            Primitive::Ball(1.0)
+                .signed_distance(DVec3::ZERO)
+                .1
+                .is_finite()
+        );
     }
 }

@@ -3,7 +3,9 @@
 use super::distance::Primitive;
 use crate::math::{DMat3, DQuat, DVec3, Real, Rotation};
 use crate::solve::shadow::Shadow;
-use rapier3d::dynamics::{CoefficientCombineRule, RigidBody, RigidBodyHandle, RigidBodySet, RigidBodyType};
+use rapier3d::dynamics::{
+    CoefficientCombineRule, RigidBody, RigidBodyHandle, RigidBodySet, RigidBodyType,
+};
 use rapier3d::geometry::{Collider, ColliderHandle, InteractionGroups};
 
 /// How a deformable's surface behaves in contact.
@@ -69,7 +71,9 @@ impl Target {
     /// Signed depth (positive inside) \[m\] and outward normal in the world of a point relative to the frame's origin.
     #[inline]
     pub fn depth(&self, frame: &Frame, relative: DVec3) -> (f64, DVec3) {
-        let (distance, n) = self.shape.signed_distance(frame.axes.transpose() * relative);
+        let (distance, n) = self
+            .shape
+            .signed_distance(frame.axes.transpose() * relative);
         (self.skin - distance, frame.axes * n)
     }
 }
@@ -87,7 +91,9 @@ pub fn admits(collider: &Collider, body: Option<&RigidBody>, surface: &Surface) 
         && body.is_none_or(|b| b.is_enabled() && !b.is_soft_frame())
         && !collider.is_sensor()
         && collider.deformable_mesh_ref().is_none()
-        && collider.active_collision_types().test(RigidBodyType::Dynamic, kind)
+        && collider
+            .active_collision_types()
+            .test(RigidBodyType::Dynamic, kind)
         && surface.collision_groups.test(collider.collision_groups())
 }
 
@@ -106,7 +112,10 @@ pub fn target(
             pose.translation.as_dvec3() - body.local_center_of_mass().as_dvec3(),
             wide_rotation(pose.rotation),
         ),
-        _ => (collider.position().translation.as_dvec3(), wide_rotation(collider.position().rotation)),
+        _ => (
+            collider.position().translation.as_dvec3(),
+            wide_rotation(collider.position().rotation),
+        ),
     };
     let friction = CoefficientCombineRule::combine(
         surface.friction,

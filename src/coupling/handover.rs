@@ -67,7 +67,11 @@ pub fn before_step(
             let drift = end.com - start.com - start.v * dt - acceleration * (share * dt * dt);
             let mut impulse = drift / dt;
             for axis in 0..3 {
-                impulse[axis] = if inv_mass[axis] > 0.0 { impulse[axis] / inv_mass[axis] } else { 0.0 };
+                impulse[axis] = if inv_mass[axis] > 0.0 {
+                    impulse[axis] / inv_mass[axis]
+                } else {
+                    0.0
+                };
             }
             let inertia = inv_inertia(body).inverse();
             let torque = if inertia.is_finite() {

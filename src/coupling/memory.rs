@@ -84,9 +84,7 @@ impl BodyMemory {
                 }
                 false
             }
-            Some(baseline) => {
-                (self.load - baseline).length() > 0.3 * weight.max(baseline.length())
-            }
+            Some(baseline) => (self.load - baseline).length() > 0.3 * weight.max(baseline.length()),
         }
     }
 }

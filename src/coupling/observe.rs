@@ -155,7 +155,11 @@ fn is_constrained(handle: RigidBodyHandle, body: &RigidBody, around: &Surroundin
 }
 
 fn has_joint(handle: RigidBodyHandle, around: &Surroundings) -> bool {
-    around.joints.attached_enabled_joints(handle).next().is_some()
+    around
+        .joints
+        .attached_enabled_joints(handle)
+        .next()
+        .is_some()
         || around.multibodies.rigid_body_link(handle).is_some()
 }
 

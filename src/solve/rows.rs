@@ -95,12 +95,8 @@ impl Rows {
         for pass in 0..passes {
             let changed = if reversed == (pass % 2 == 0) {
                 let ties = self.ties.iter_mut().rev();
-                solve_contacts(
-                    self.contacts.iter_mut().rev(),
-                    &mut self.nodes,
-                    shadows,
-                    h,
-                ) | solve_ties(ties, &mut self.nodes, shadows)
+                solve_contacts(self.contacts.iter_mut().rev(), &mut self.nodes, shadows, h)
+                    | solve_ties(ties, &mut self.nodes, shadows)
             } else {
                 let ties = self.ties.iter_mut();
                 solve_ties(ties, &mut self.nodes, shadows)

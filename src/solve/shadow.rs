@@ -151,10 +151,7 @@ mod tests {
             inv_mass: DVec3::splat(0.25),
             ..Shadow::FIXED
         };
-        let (arm, n) = (
-            DVec3::new(0.3, -0.2, 0.7),
-            DVec3::new(0.6, 0.0, -0.8),
-        );
+        let (arm, n) = (DVec3::new(0.3, -0.2, 0.7), DVec3::new(0.6, 0.0, -0.8));
         let matrix = s.response_matrix(arm);
         assert!((n.dot(matrix * n) - s.response(arm, n)).abs() < 1e-12);
     }

@@ -96,11 +96,7 @@ fn limit<S: Scalar>(s: &Spring) -> Limit<S> {
             tension: real(s.yield_tension),
             compression: real(s.yield_compression),
             hardening: real(s.hardening),
-            inverse: if sum > 0.0 {
-                S::of(1.0 / sum)
-            } else {
-                S::ZERO
-            },
+            inverse: if sum > 0.0 { S::of(1.0 / sum) } else { S::ZERO },
         },
         break_force: real(s.break_force),
         break_length: S::of(rest * (1.0 + f64::from(s.break_strain))),

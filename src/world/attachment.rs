@@ -42,7 +42,9 @@ impl DeformableWorld {
         body: RigidBodyHandle,
         bodies: &RigidBodySet,
     ) -> Result<AttachmentHandle, AttachError> {
-        let soft = self.get(deformable).ok_or(AttachError::UnknownDeformable(deformable))?;
+        let soft = self
+            .get(deformable)
+            .ok_or(AttachError::UnknownDeformable(deformable))?;
         let rigid = bodies.get(body).ok_or(AttachError::UnknownBody(body))?;
         if nodes.is_empty() {
             return Err(AttachError::NoNodes);
@@ -81,6 +83,7 @@ impl DeformableWorld {
 
     /// Attachments to bodies that are gone, go.
     pub(super) fn drop_stale_attachments(&mut self, parts: &RapierParts) {
-        self.attachments.retain(|_, a| parts.bodies.contains(a.body));
+        self.attachments
+            .retain(|_, a| parts.bodies.contains(a.body));
     }
 }

@@ -182,18 +182,34 @@ impl DeformableBuilder {
     /// Everything a [`BuildError`] can say of nets, materials and values. Whether the body is stable within its budget is
     /// checked at insertion into a world, which knows the default scheme.
     pub fn build(self) -> Result<Deformable, BuildError> {
-        for (what, v) in [("the translation", self.pose.translation), ("the velocity", self.linvel), ("the angular velocity", self.angvel)] {
+        for (what, v) in [
+            ("the translation", self.pose.translation),
+            ("the velocity", self.linvel),
+            ("the angular velocity", self.angvel),
+        ] {
             if let Some(value) = v.to_array().into_iter().find(|c| !c.is_finite()) {
-                return Err(BuildError::Value { what, value: value.into(), must: "finite" });
+                return Err(BuildError::Value {
+                    what,
+                    value: value.into(),
+                    must: "finite",
+                });
             }
         }
         not_negative("the friction coefficient", self.surface.friction.into())?;
         not_negative("the drag", self.drag.into())?;
         if !self.gravity_scale.is_finite() {
-            return Err(BuildError::Value { what: "the gravity scale", value: self.gravity_scale.into(), must: "finite" });
+            return Err(BuildError::Value {
+                what: "the gravity scale",
+                value: self.gravity_scale.into(),
+                must: "finite",
+            });
         }
         if !self.pose.rotation.is_finite() {
-            return Err(BuildError::Value { what: "the rotation", value: f64::NAN, must: "finite" });
+            return Err(BuildError::Value {
+                what: "the rotation",
+                value: f64::NAN,
+                must: "finite",
+            });
         }
         if let Some(substeps) = self.substeps {
             substeps.check()?;
@@ -202,10 +218,20 @@ impl DeformableBuilder {
         for m in material.iter().chain(regions.iter().map(|(_, m)| m)) {
             m.check()?;
         }
-        let material_at = |p: Vector| regions.iter().rev().find(|(inside, _)| inside(p)).map(|(_, m)| *m).or(material);
+        let material_at = |p: Vector| {
+            regions
+                .iter()
+                .rev()
+                .find(|(inside, _)| inside(p))
+                .map(|(_, m)| *m)
+                .or(material)
+        };
         let blueprint = Blueprint::resolve(self.net?, material_at, self.total_mass)?;
         let mut state = blueprint.rest_state();
-        let (turn, shift) = (wide_rotation(self.pose.rotation), wide(self.pose.translation));
+        let (turn, shift) = (
+            wide_rotation(self.pose.rotation),
+            wide(self.pose.translation),
+        );
         state.origin = shift;
         for i in 0..state.particles.len() {
             let (x, v) = (state.local(i), state.velocity(i));

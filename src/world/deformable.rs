@@ -31,7 +31,10 @@ impl Energies {
     /// rigid bodies − what moving nodes out of colliders added.
     pub fn balance(&self) -> f64 {
         let w = &self.work;
-        self.kinetic + self.elastic + self.gravity + self.dissipated() - w.external - w.rigid - w.push_out
+        self.kinetic + self.elastic + self.gravity + self.dissipated()
+            - w.external
+            - w.rigid
+            - w.push_out
     }
 
     /// Plastic, damping, fracture and contact losses together.
@@ -162,7 +165,11 @@ impl Deformable {
     }
 
     fn nodes_with_mass(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
-        self.blueprint.nodes.iter().map(|n| f64::from(n.mass)).enumerate()
+        self.blueprint
+            .nodes
+            .iter()
+            .map(|n| f64::from(n.mass))
+            .enumerate()
     }
 
     fn weighted(&self, value: impl Fn(usize) -> DVec3) -> DVec3 {
@@ -183,7 +190,10 @@ impl Deformable {
     pub fn tension(&self, spring: SpringId) -> Option<f64> {
         let i = spring.index();
         let link = self.solver.table.links.get(i)?;
-        Some(self.mapped(i, self.length(i), link.stiffness.into()).tension)
+        Some(
+            self.mapped(i, self.length(i), link.stiffness.into())
+                .tension,
+        )
     }
 
     /// Tension of a spring at a length, and the flow that the next force evaluation will commit.
@@ -202,14 +212,21 @@ impl Deformable {
                     hardening: f64::from(y.hardening),
                     inverse: f64::from(y.inverse),
                 };
-                return_map(stiffness, elongation, self.state.flow[spring].into(), &yields)
+                return_map(
+                    stiffness,
+                    elongation,
+                    self.state.flow[spring].into(),
+                    &yields,
+                )
             }
         }
     }
 
     fn length(&self, spring: usize) -> f64 {
         let [a, b] = self.blueprint.springs[spring].nodes;
-        self.state.local(a as usize).distance(self.state.local(b as usize))
+        self.state
+            .local(a as usize)
+            .distance(self.state.local(b as usize))
     }
 
     /// Whether a spring has broken; `None` for an unknown id.
@@ -233,7 +250,9 @@ impl Deformable {
                 sums[node as usize].1 += 1.0;
             }
         }
-        sums.iter().map(|(s, n)| if *n > 0.0 { s / n } else { 0.0 }).collect()
+        sums.iter()
+            .map(|(s, n)| if *n > 0.0 { s / n } else { 0.0 })
+            .collect()
     }
 
     /// Largest strain of any unbroken spring now, as length over first rest length minus 1.
@@ -274,7 +293,11 @@ impl Deformable {
             ..Energies::default()
         };
         // Velocities of symplectic Euler stand half a substep back: ½·h·F·v brings the kinetic energy to the positions'.
-        let lead = if self.integrator() == Integrator::SymplecticEuler { 0.5 * self.h } else { 0.0 };
+        let lead = if self.integrator() == Integrator::SymplecticEuler {
+            0.5 * self.h
+        } else {
+            0.0
+        };
         for (i, mass) in self.nodes_with_mass() {
             if self.state.particles[i].inv_mass == 0.0 {
                 continue;
@@ -294,7 +317,8 @@ impl Deformable {
             let mapped = self.mapped(i, length, stiffness);
             energies.elastic += law::energy(stiffness, mapped.tension / stiffness);
             energies.work.plastic += mapped.tension.abs() * mapped.flow.abs();
-            let rate = (self.state.velocity(b) - self.state.velocity(a)).dot(d) / length.max(f64::MIN_POSITIVE);
+            let rate = (self.state.velocity(b) - self.state.velocity(a)).dot(d)
+                / length.max(f64::MIN_POSITIVE);
             energies.kinetic -= lead * mapped.tension * rate;
         }
         energies
@@ -394,7 +418,8 @@ impl Deformable {
             self.edit(|body| {
                 for i in 0..body.node_count() {
                     let arm = body.state.position(i) - com;
-                    body.state.set_velocity(i, wide(linvel) + wide(angvel).cross(arm));
+                    body.state
+                        .set_velocity(i, wide(linvel) + wide(angvel).cross(arm));
                 }
             });
         }
@@ -441,7 +466,11 @@ impl Deformable {
     /// pinned, unknown ids and points that are not finite change nothing: `false`.
     pub fn set_kinematic_target(&mut self, node: NodeId, target: Vector) -> bool {
         let ok = target.is_finite()
-            && self.state.particles.get(node.index()).is_some_and(|p| p.inv_mass == 0.0);
+            && self
+                .state
+                .particles
+                .get(node.index())
+                .is_some_and(|p| p.inv_mass == 0.0);
         if ok {
             self.led.retain(|(n, _)| *n != node.0);
             self.led.push((node.0, wide(target)));
@@ -452,20 +481,25 @@ impl Deformable {
     /// Sets the force that acts on a node until changed \[N\]. Unknown ids and forces that are not finite change
     /// nothing: `false`.
     pub fn set_node_force(&mut self, node: NodeId, force: Vector) -> bool {
-        self.force_slot(node, force).map(|(kept, _)| *kept = force).is_some()
+        self.force_slot(node, force)
+            .map(|(kept, _)| *kept = force)
+            .is_some()
     }
 
     /// Adds to the force that acts on a node during the coming step only \[N\]. Unknown ids and forces that are not
     /// finite change nothing: `false`.
     pub fn add_step_force(&mut self, node: NodeId, force: Vector) -> bool {
-        self.force_slot(node, force).map(|(_, once)| *once += force).is_some()
+        self.force_slot(node, force)
+            .map(|(_, once)| *once += force)
+            .is_some()
     }
 
     fn force_slot(&mut self, node: NodeId, force: Vector) -> Option<&mut (Vector, Vector)> {
         if !force.is_finite() || node.index() >= self.node_count() {
             return None;
         }
-        self.node_forces.resize(self.node_count(), Default::default());
+        self.node_forces
+            .resize(self.node_count(), Default::default());
         self.node_forces.get_mut(node.index())
     }
 
@@ -479,7 +513,11 @@ impl Deformable {
     /// # Errors
     /// A constant out of range, an unknown spring, or a body that would need substeps shorter than its budget; the body
     /// is then as before.
-    pub fn set_spring(&mut self, spring: SpringId, change: impl FnOnce(&mut Spring)) -> Result<(), BuildError> {
+    pub fn set_spring(
+        &mut self,
+        spring: SpringId,
+        change: impl FnOnce(&mut Spring),
+    ) -> Result<(), BuildError> {
         let Some(old) = self.blueprint.springs.get(spring.index()).copied() else {
             return Err(BuildError::Value {
                 what: "the spring's index",
@@ -493,12 +531,14 @@ impl Deformable {
         new.rest_length = old.rest_length;
         crate::body::error::check_constants(spring.0, &new)?;
         self.blueprint.springs[spring.index()] = new;
-        self.rebuild().inspect_err(|_| self.restore_spring(spring, old))
+        self.rebuild()
+            .inspect_err(|_| self.restore_spring(spring, old))
     }
 
     fn restore_spring(&mut self, spring: SpringId, old: Spring) {
         self.blueprint.springs[spring.index()] = old;
-        self.solver.table = crate::solve::springs::SpringTable::new(&self.blueprint.springs, &self.state);
+        self.solver.table =
+            crate::solve::springs::SpringTable::new(&self.blueprint.springs, &self.state);
     }
 
     /// Changes the mass of a node \[kg\].
@@ -508,7 +548,11 @@ impl Deformable {
     pub fn set_node_mass(&mut self, node: NodeId, mass: Real) -> Result<(), BuildError> {
         let bad = |what, value, must| BuildError::Value { what, value, must };
         let Some(old) = self.node_mass(node) else {
-            return Err(bad("the node's index", node.0.into(), "less than the number of nodes"));
+            return Err(bad(
+                "the node's index",
+                node.0.into(),
+                "less than the number of nodes",
+            ));
         };
         crate::body::error::positive("the node's mass", mass.into())?;
         self.put_mass(node, mass);
@@ -527,7 +571,8 @@ impl Deformable {
 
     fn rebuild(&mut self) -> Result<(), BuildError> {
         self.edit(|body| {
-            body.solver.table = crate::solve::springs::SpringTable::new(&body.blueprint.springs, &body.state);
+            body.solver.table =
+                crate::solve::springs::SpringTable::new(&body.blueprint.springs, &body.state);
         });
         self.check_budget()
     }
@@ -572,7 +617,9 @@ impl Deformable {
         let count = |h: f64| ((dt / h).ceil() as usize).max(1);
         let share = |n: usize| ((n as f64 * dt / frame).round() as usize).max(1);
         match self.substeps() {
-            Substeps::Auto { safety, min_h } => (count((stable.h * safety).max(min_h.max(1e-12))), false),
+            Substeps::Auto { safety, min_h } => {
+                (count((stable.h * safety).max(min_h.max(1e-12))), false)
+            }
             Substeps::Fixed(n) => {
                 let needed = if stable.never { 0 } else { count(stable.h) };
                 (share(n).max(needed), share(n) < needed)
@@ -589,7 +636,11 @@ impl Deformable {
         }
         let forces = &mut self.solver.external.node_forces;
         forces.clear();
-        forces.extend(self.node_forces.iter().map(|(kept, once)| (*kept + *once).to_array()));
+        forces.extend(
+            self.node_forces
+                .iter()
+                .map(|(kept, once)| (*kept + *once).to_array()),
+        );
         for &(node, target) in &self.led {
             let v = (target - self.state.position(node as usize)) / remaining;
             self.state.set_velocity(node as usize, v);
@@ -623,7 +674,11 @@ impl Deformable {
 
     /// FNV-1a hash of the whole state, bit for bit.
     pub fn state_hash(&self) -> u64 {
-        let floats = self.state.particles.iter().flat_map(|p| p.x.iter().chain(&p.v))
+        let floats = self
+            .state
+            .particles
+            .iter()
+            .flat_map(|p| p.x.iter().chain(&p.v))
             .chain(self.state.low.iter().flatten())
             .chain(&self.state.rest)
             .chain(&self.state.flow)
@@ -631,6 +686,8 @@ impl Deformable {
         floats
             .chain(self.state.origin.to_array().map(f64::to_bits))
             .chain(self.state.broken.iter().map(|b| u64::from(*b)))
-            .fold(0xcbf2_9ce4_8422_2325, |hash, word| (hash ^ word).wrapping_mul(0x0000_0100_0000_01b3))
+            .fold(0xcbf2_9ce4_8422_2325, |hash, word| {
+                (hash ^ word).wrapping_mul(0x0000_0100_0000_01b3)
+            })
     }
 }

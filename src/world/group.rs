@@ -1,5 +1,6 @@
 //! Groups: deformables that touch or are attached to the same moving body share their substeps and their rows.
 
+use super::reach::Search;
 use super::report::StepReport;
 use super::substep::Group;
 use super::{AttachmentHandle, Deformable, DeformableHandle, DeformableWorld, RapierParts, reach};
@@ -44,14 +45,20 @@ impl DeformableWorld {
     /// Sorts the enabled deformables into groups for a rigid step of `dt` s. Each group takes its members out of the set
     /// until it is dissolved.
     pub(super) fn form_groups(&mut self, parts: &RapierParts, dt: f64) -> Vec<Group> {
-        let rigid_speed = reach::fastest_rigid(parts);
+        let strays = reach::strays(&mut self.known, parts);
+        let search = Search {
+            parts,
+            rigid_speed: reach::fastest_rigid(parts),
+            strays: &strays,
+            dt,
+        };
         let mut unsupported = std::mem::take(&mut self.report.unsupported);
         let reaches: Vec<Reach> = self
             .iter()
             .filter(|(_, body)| body.is_enabled())
             .map(|(handle, body)| Reach {
                 handle,
-                targets: reach::targets(body, parts, rigid_speed, dt, &mut unsupported),
+                targets: reach::targets(body, &search, &mut unsupported),
                 attachments: self.attachments_of(handle, parts),
             })
             .collect();
@@ -61,7 +68,9 @@ impl DeformableWorld {
         let around = parts.surroundings();
         for (i, reach) in reaches.into_iter().enumerate() {
             let group = groups.entry(group_of[i]).or_insert_with(Group::new);
-            let Some(body) = self.take(reach.handle) else { continue };
+            let Some(body) = self.take(reach.handle) else {
+                continue;
+            };
             let member = group.members.len();
             group.members.push((reach.handle, body));
             let mut candidates = Vec::new();
@@ -73,7 +82,8 @@ impl DeformableWorld {
             group.candidates.push(candidates);
             for handle in reach.attachments {
                 if let Some(attachment) = self.attachments.get(handle.0) {
-                    let shadow = shadow_of(group, Some(attachment.body), &mut self.memory, &around, dt);
+                    let shadow =
+                        shadow_of(group, Some(attachment.body), &mut self.memory, &around, dt);
                     group.add_attachment(member, handle, shadow, attachment.clone());
                 }
             }
@@ -93,7 +103,10 @@ impl DeformableWorld {
         let mut first: BTreeMap<BodyKey, usize> = BTreeMap::new();
         for (i, reach) in reaches.iter().enumerate() {
             let touched = reach.targets.iter().filter_map(|t| t.body);
-            let attached = reach.attachments.iter().filter_map(|h| Some(self.attachments.get(h.0)?.body));
+            let attached = reach
+                .attachments
+                .iter()
+                .filter_map(|h| Some(self.attachments.get(h.0)?.body));
             for body in touched.chain(attached) {
                 if !parts.bodies.get(body).is_some_and(|b| b.is_dynamic()) {
                     continue;
@@ -106,33 +119,62 @@ impl DeformableWorld {
         (0..reaches.len()).map(|i| root(&parent, i)).collect()
     }
 
-    fn attachments_of(&self, deformable: DeformableHandle, parts: &RapierParts) -> Vec<AttachmentHandle> {
+    fn attachments_of(
+        &self,
+        deformable: DeformableHandle,
+        parts: &RapierParts,
+    ) -> Vec<AttachmentHandle> {
         self.attachments
             .iter()
-            .filter(|(_, a)| a.deformable == deformable && parts.bodies.get(a.body).is_some_and(|b| b.is_enabled()))
+            .filter(|(_, a)| {
+                a.deformable == deformable
+                    && parts.bodies.get(a.body).is_some_and(|b| b.is_enabled())
+            })
             .map(|(index, _)| AttachmentHandle(index))
             .collect()
     }
 
     /// Puts the members of a group back and keeps what its rigid bodies wait for.
     pub(super) fn dissolve(&mut self, group: Group, parts: &mut RapierParts, dt: f64) {
-        let finite = group.shadows.iter().all(|s| s.impulse.is_finite() && s.torque.is_finite());
+        let finite = group
+            .shadows
+            .iter()
+            .all(|s| s.impulse.is_finite() && s.torque.is_finite());
         let near = group.near_bodies(2e-3 * parts.length_unit());
-        for ((touched, end), near) in group.touched.into_iter().zip(group.shadows.into_iter().skip(1)).zip(near) {
+        for ((touched, end), near) in group
+            .touched
+            .into_iter()
+            .zip(group.shadows.into_iter().skip(1))
+            .zip(near)
+        {
             let end = if finite { end } else { touched.start };
             if let Some(body) = parts.bodies.get(touched.body) {
                 if !body.is_dynamic() {
                     continue;
                 }
-                let untouched = end.impulse == Default::default() && end.torque == Default::default();
+                let untouched =
+                    end.impulse == Default::default() && end.torque == Default::default();
                 let pending = if untouched || touched.answer == Answer::None {
                     handover::Pending::nothing()
                 } else if let Some(body) = parts.bodies.get_mut(touched.body) {
-                    handover::before_step(body, touched.answer, &touched.start, &end, parts.gravity, parts.integration_parameters, dt)
+                    handover::before_step(
+                        body,
+                        touched.answer,
+                        &touched.start,
+                        &end,
+                        parts.gravity,
+                        parts.integration_parameters,
+                        dt,
+                    )
                 } else {
                     continue;
                 };
-                self.waiting.push(Waiting { touched, end, pending, near });
+                self.waiting.push(Waiting {
+                    touched,
+                    end,
+                    pending,
+                    near,
+                });
             }
         }
         for attachment in group.attachments {
@@ -175,7 +217,11 @@ fn shadow_of(
         observe::response(handle, body, answer, memory, around)
     };
     let start = observe::shadow(body, answer, response, around, dt);
-    group.touched.push(Touched { body: handle, answer, start });
+    group.touched.push(Touched {
+        body: handle,
+        answer,
+        start,
+    });
     group.shadows.push(start);
     group.shadows.len() as u32 - 1
 }
@@ -183,6 +229,10 @@ fn shadow_of(
 impl Deformable {
     /// Largest squared speed of any node \[m²/s²\].
     pub(super) fn max_speed_squared(&self) -> f32 {
-        self.state.particles.iter().map(|p| p.v.iter().map(|c| c * c).sum::<f32>()).fold(0.0, f32::max)
+        self.state
+            .particles
+            .iter()
+            .map(|p| p.v.iter().map(|c| c * c).sum::<f32>())
+            .fold(0.0, f32::max)
     }
 }

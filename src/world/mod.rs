@@ -12,12 +12,14 @@ mod report;
 mod step;
 mod substep;
 
+pub use attachment::AttachError;
 pub use builder::{DeformableBuilder, IntoNet};
 pub use deformable::{Deformable, Energies};
-pub use observer::{AttachmentImpulse, Observer, PairImpulse, SpringEvent, SpringEventKind, Substep};
+pub use observer::{
+    AttachmentImpulse, Observer, PairImpulse, SpringEvent, SpringEventKind, Substep,
+};
 pub use params::{DeformableParameters, Substeps};
 pub use parts::RapierParts;
-pub use attachment::AttachError;
 pub use report::StepReport;
 
 use crate::body::BuildError;
@@ -69,6 +71,8 @@ pub struct DeformableWorld {
     fine_until: f64,
     gravity: Option<Vector>,
     parity: bool,
+    /// What Rapier's BVH knows.
+    known: reach::Known,
 }
 
 impl DeformableWorld {
@@ -82,7 +86,10 @@ impl DeformableWorld {
     /// # Errors
     /// Everything building can fail with, and [`BuildError::Unstable`] or [`BuildError::NeverStable`] for a body that is
     /// not stable within its substeps.
-    pub fn insert(&mut self, body: impl TryInto<Deformable, Error = BuildError>) -> Result<DeformableHandle, BuildError> {
+    pub fn insert(
+        &mut self,
+        body: impl TryInto<Deformable, Error = BuildError>,
+    ) -> Result<DeformableHandle, BuildError> {
         let mut body = body.try_into()?;
         body.defaults = self.params;
         body.check_budget()?;
@@ -128,7 +135,9 @@ impl DeformableWorld {
 
     /// All bodies, to be changed.
     pub fn iter_mut(&mut self) -> impl Iterator<Item = (DeformableHandle, &mut Deformable)> {
-        self.bodies.iter_mut().map(|(i, b)| (DeformableHandle(i), &mut **b))
+        self.bodies
+            .iter_mut()
+            .map(|(i, b)| (DeformableHandle(i), &mut **b))
     }
 
     /// What the last step did.
@@ -156,7 +165,9 @@ impl DeformableWorld {
         bodies
             .chain(memory)
             .chain([u64::from(self.parity)])
-            .fold(0xcbf2_9ce4_8422_2325, |hash, word| (hash ^ word).wrapping_mul(0x0000_0100_0000_01b3))
+            .fold(0xcbf2_9ce4_8422_2325, |hash, word| {
+                (hash ^ word).wrapping_mul(0x0000_0100_0000_01b3)
+            })
     }
 
     fn take(&mut self, handle: DeformableHandle) -> Option<Box<Deformable>> {

@@ -45,7 +45,9 @@ impl Substeps {
                 }
                 crate::body::error::not_negative("the shortest substep min_h", min_h).map(|_| ())
             }
-            Self::Fixed(n) | Self::Unchecked(n) => crate::body::error::positive("the number of substeps", n as f64).map(|_| ()),
+            Self::Fixed(n) | Self::Unchecked(n) => {
+                crate::body::error::positive("the number of substeps", n as f64).map(|_| ())
+            }
         }
     }
 }

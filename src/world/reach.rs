@@ -1,11 +1,16 @@
 //! Which colliders a deformable can reach within a stretch of time, asked of Rapier's own BVH.
+//!
+//! The BVH is up to date after a step, not after the user's changes between steps: a new, enabled or reshaped collider,
+//! or one whose body was teleported, enters it only within Rapier's next step. Such strays are found by one look over
+//! all colliders and tested one by one.
 
 use super::report::note;
 use super::{Deformable, RapierParts};
 use crate::contact::target::{Target, admits, target};
-use crate::math::narrow;
+use crate::math::{Pose, narrow};
 use rapier3d::dynamics::RigidBody;
 use rapier3d::geometry::{Aabb, Collider, ColliderHandle};
+use rapier3d::parry::bounding_volume::BoundingVolume;
 use rapier3d::parry::query::DefaultQueryDispatcher;
 use rapier3d::pipeline::QueryFilter;
 
@@ -30,17 +35,61 @@ fn point_speed(body: &RigidBody) -> f64 {
     f64::from(body.linvel().length()) + f64::from(body.angvel().length()) * extent
 }
 
-/// Calls `found` for every collider the body may touch within `dt` s, in the order of their handles. `rigid_speed` is
-/// that of the fastest rigid body.
+/// What the BVH knew of each collider at its last update, by slot: generation, enabled, local bounds.
+pub(super) type Known = Vec<Option<(u32, bool, Aabb)>>;
+
+/// The colliders that Rapier's BVH does not know as they are now. They count as known from then on, because a Rapier step
+/// follows.
+pub(super) fn strays(known: &mut Known, parts: &RapierParts) -> Vec<ColliderHandle> {
+    let mut strays = Vec::new();
+    for (handle, collider) in parts.colliders.iter() {
+        let (index, generation) = handle.into_raw_parts();
+        let index = index as usize;
+        if known.len() <= index {
+            known.resize(index + 1, None);
+        }
+        let now = (
+            generation,
+            collider.is_enabled(),
+            collider.shape().compute_local_aabb(),
+        );
+        let moved = true_pose(collider, parts) != *collider.position();
+        if known[index] != Some(now) || moved {
+            known[index] = Some(now);
+            strays.push(handle);
+        }
+    }
+    strays
+}
+
+/// A collider's pose by its body's, which is right even after a teleport.
+fn true_pose(collider: &Collider, parts: &RapierParts) -> Pose {
+    let parent = collider.parent().and_then(|h| parts.bodies.get(h));
+    match (parent, collider.position_wrt_parent()) {
+        (Some(body), Some(relative)) => *body.position() * *relative,
+        _ => *collider.position(),
+    }
+}
+
+/// What every deformable of a step asks alike.
+pub(super) struct Search<'a> {
+    pub parts: &'a RapierParts<'a>,
+    /// Speed of the fastest rigid body \[m/s\].
+    pub rigid_speed: f64,
+    pub strays: &'a [ColliderHandle],
+    /// The stretch of time \[s\].
+    pub dt: f64,
+}
+
+/// Calls `found` for every collider the body may touch, in the order of their handles.
 pub(super) fn for_each_in_reach(
     body: &Deformable,
-    parts: &RapierParts,
-    rigid_speed: f64,
-    dt: f64,
+    search: &Search,
     mut found: impl FnMut(ColliderHandle, &Collider, Option<&RigidBody>),
 ) {
+    let parts = search.parts;
     let speed = f64::from(body.max_speed_squared()).sqrt();
-    let reach = travel(speed + rigid_speed, dt, parts);
+    let reach = travel(speed + search.rigid_speed, search.dt, parts);
     let (lo, hi) = body.bounds();
     // f32 corners far from the origin are coarse: a relative margin covers it.
     let coarse = (lo.abs().max(hi.abs()) * 2e-7).max_element();
@@ -51,9 +100,23 @@ pub(super) fn for_each_in_reach(
         parts.colliders,
         QueryFilter::default(),
     );
-    let mut hits: Vec<_> = query.intersect_aabb_conservative(aabb).collect();
-    hits.sort_by_key(|(handle, _)| handle.into_raw_parts());
-    for (handle, collider) in hits {
+    let mut hits: Vec<_> = query
+        .intersect_aabb_conservative(aabb)
+        .map(|(handle, _)| handle)
+        .collect();
+    hits.extend(search.strays.iter().filter(|h| {
+        parts.colliders.get(**h).is_some_and(|c| {
+            c.shape()
+                .compute_aabb(&true_pose(c, parts))
+                .intersects(&aabb)
+        })
+    }));
+    hits.sort_by_key(|handle| handle.into_raw_parts());
+    hits.dedup();
+    for handle in hits {
+        let Some(collider) = parts.colliders.get(handle) else {
+            continue;
+        };
         let rigid = collider.parent().and_then(|h| parts.bodies.get(h));
         if admits(collider, rigid, body.surface()) {
             found(handle, collider, rigid);
@@ -61,17 +124,15 @@ pub(super) fn for_each_in_reach(
     }
 }
 
-/// The targets of a body for a rigid step of `dt` s. Colliders of other shapes are noted in `unsupported`.
+/// The targets of a body. Colliders of other shapes are noted in `unsupported`.
 pub(super) fn targets(
     body: &Deformable,
-    parts: &RapierParts,
-    rigid_speed: f64,
-    dt: f64,
+    search: &Search,
     unsupported: &mut Vec<ColliderHandle>,
 ) -> Vec<Target> {
     let mut targets = Vec::new();
-    for_each_in_reach(body, parts, rigid_speed, dt, |handle, collider, _| {
-        match target(handle, collider, parts.bodies, body.surface()) {
+    for_each_in_reach(body, search, |handle, collider, _| {
+        match target(handle, collider, search.parts.bodies, body.surface()) {
             Some(t) => targets.push(t),
             None => note(unsupported, handle),
         }

@@ -3,6 +3,7 @@
 
 use super::group::Waiting;
 use super::observer::Observer;
+use super::reach::Search;
 use super::report::{StepReport, note};
 use super::substep::{Group, Settings};
 use super::{DeformableWorld, RapierParts, reach};
@@ -98,16 +99,31 @@ impl DeformableWorld {
             // A hair less, so that 1/60 is four steps of 1/240 and not five.
             return ((dt / self.params.max_rigid_dt - 1e-6).ceil() as usize).max(1);
         }
-        let substeps = self.iter().filter(|(_, b)| b.is_enabled()).map(|(_, b)| b.substeps_for(dt, dt).0);
+        let substeps = self
+            .iter()
+            .filter(|(_, b)| b.is_enabled())
+            .map(|(_, b)| b.substeps_for(dt, dt).0);
         substeps.max().unwrap_or(1)
     }
 
     fn can_touch_awake_body(&self, parts: &RapierParts, dt: f64) -> bool {
-        let awake = |h: RigidBodyHandle| parts.bodies.get(h).is_some_and(|b| b.is_dynamic() && !b.is_sleeping() && b.is_enabled());
-        let speed = reach::fastest_rigid(parts);
+        let awake = |h: RigidBodyHandle| {
+            parts
+                .bodies
+                .get(h)
+                .is_some_and(|b| b.is_dynamic() && !b.is_sleeping() && b.is_enabled())
+        };
+        // Looked up without remembering: the groups' own search must find the same strays.
+        let strays = reach::strays(&mut self.known.clone(), parts);
+        let search = Search {
+            parts,
+            rigid_speed: reach::fastest_rigid(parts),
+            strays: &strays,
+            dt,
+        };
         let mut found = false;
         for (_, body) in self.iter().filter(|(_, b)| b.is_enabled()) {
-            reach::for_each_in_reach(body, parts, speed, dt, |_, collider, _| {
+            reach::for_each_in_reach(body, &search, |_, collider, _| {
                 found |= collider.parent().is_some_and(awake);
             });
         }
@@ -115,7 +131,14 @@ impl DeformableWorld {
     }
 
     /// Advances all deformables through a rigid step of `dt` s, the `left` s of a `frame` that is not over yet.
-    fn advance(&mut self, parts: &mut RapierParts, dt: f64, frame: f64, left: f64, observer: &mut dyn Observer) {
+    fn advance(
+        &mut self,
+        parts: &mut RapierParts,
+        dt: f64,
+        frame: f64,
+        left: f64,
+        observer: &mut dyn Observer,
+    ) {
         self.drop_stale_attachments(parts);
         self.wake_on_new_gravity(parts);
         let defaults = self.params;
@@ -135,7 +158,14 @@ impl DeformableWorld {
     }
 
     /// Returns whether it took an odd number of substeps.
-    fn advance_group(&mut self, group: &mut Group, parts: &RapierParts, dt: f64, frame: f64, observer: &mut dyn Observer) -> bool {
+    fn advance_group(
+        &mut self,
+        group: &mut Group,
+        parts: &RapierParts,
+        dt: f64,
+        frame: f64,
+        observer: &mut dyn Observer,
+    ) -> bool {
         let unit = parts.length_unit();
         let settings = Settings {
             passes: self.params.passes,
@@ -145,7 +175,8 @@ impl DeformableWorld {
             length_unit: unit,
         };
         // The stable substep changes as bodies crumple, so a long rigid step is looked at anew in stretches.
-        let stretches = ((dt / self.params.review_interval.max(1e-6) - 1e-6).ceil() as usize).max(1);
+        let stretches =
+            ((dt / self.params.review_interval.max(1e-6) - 1e-6).ceil() as usize).max(1);
         let stretch = dt / stretches as f64;
         let mut time = self.time;
         let mut parity = self.parity;
@@ -200,8 +231,17 @@ impl DeformableWorld {
     /// Gives rigid bodies the rest of their impulses, learns their response, and wakes sleepers whose load has changed.
     fn hand_over(&mut self, parts: &mut RapierParts, dt: f64) {
         self.steps += 1;
-        for Waiting { touched, end, pending, near } in std::mem::take(&mut self.waiting) {
-            let memory = self.memory.entry(touched.body.into_raw_parts()).or_default();
+        for Waiting {
+            touched,
+            end,
+            pending,
+            near,
+        } in std::mem::take(&mut self.waiting)
+        {
+            let memory = self
+                .memory
+                .entry(touched.body.into_raw_parts())
+                .or_default();
             memory.seen = self.steps;
             memory.near = near;
             memory.feel(end.impulse, dt);
@@ -259,7 +299,12 @@ impl DeformableWorld {
 }
 
 /// Rapier's step with other parameters than the world's own, which stay as they are.
-fn rapier_step(world: &mut PhysicsWorld, parameters: &IntegrationParameters, hooks: &dyn PhysicsHooks, events: &dyn EventHandler) {
+fn rapier_step(
+    world: &mut PhysicsWorld,
+    parameters: &IntegrationParameters,
+    hooks: &dyn PhysicsHooks,
+    events: &dyn EventHandler,
+) {
     world.physics_pipeline.step(
         world.gravity,
         parameters,
@@ -289,7 +334,9 @@ impl KinematicTargets {
         Self(
             bodies
                 .iter()
-                .filter(|(_, b)| b.body_type() == rapier3d::dynamics::RigidBodyType::KinematicPositionBased)
+                .filter(|(_, b)| {
+                    b.body_type() == rapier3d::dynamics::RigidBodyType::KinematicPositionBased
+                })
                 .filter(|(_, b)| b.position() != b.next_position())
                 .map(|(h, b)| (h, *b.position(), *b.next_position()))
                 .collect(),
@@ -298,7 +345,11 @@ impl KinematicTargets {
 
     fn set(&self, bodies: &mut RigidBodySet, step: usize, steps: usize) {
         for (handle, start, end) in &self.0 {
-            let pose = if step == steps { *end } else { start.lerp(end, step as f32 / steps as f32) };
+            let pose = if step == steps {
+                *end
+            } else {
+                start.lerp(end, step as f32 / steps as f32)
+            };
             if let Some(body) = bodies.get_mut(*handle) {
                 body.set_next_kinematic_position(pose);
             }

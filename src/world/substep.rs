@@ -1,7 +1,9 @@
 //! One substep of a group, readable at once: bodies move freely, rows answer, shadows follow.
 
 use super::group::Touched;
-use super::observer::{AttachmentImpulse, Observer, PairImpulse, SpringEvent, SpringEventKind, Substep};
+use super::observer::{
+    AttachmentImpulse, Observer, PairImpulse, SpringEvent, SpringEventKind, Substep,
+};
 use super::{AttachmentHandle, Deformable, DeformableHandle};
 use crate::body::SpringId;
 use crate::contact::candidates::{Candidates, Reach};
@@ -96,7 +98,14 @@ impl Group {
 
     /// Advances the group by h s, to `time`. `reversed` picks the order of the rows. `false` if a body has become
     /// non-finite; it is then frozen and the group's impulses are worthless.
-    pub fn substep(&mut self, h: f64, time: f64, reversed: bool, s: &Settings, observer: &mut dyn Observer) -> bool {
+    pub fn substep(
+        &mut self,
+        h: f64,
+        time: f64,
+        reversed: bool,
+        s: &Settings,
+        observer: &mut dyn Observer,
+    ) -> bool {
         for shadow in &mut self.shadows[1..] {
             shadow.accelerate(h);
         }
@@ -125,11 +134,17 @@ impl Group {
     /// Contacts and ties at the positions the substep starts from.
     fn find_rows(&mut self, h: f64, s: &Settings) {
         self.rows.clear();
-        for (m, ((_, body), candidates)) in self.members.iter_mut().zip(&mut self.candidates).enumerate() {
+        for (m, ((_, body), candidates)) in self
+            .members
+            .iter_mut()
+            .zip(&mut self.candidates)
+            .enumerate()
+        {
             let speed = f64::from(body.solver.speed_squared).sqrt();
             for c in candidates.iter_mut() {
                 let shadow = &self.shadows[c.target.shadow as usize];
-                let target_speed = shadow.v.length() + shadow.w.length() * (c.target.offset.length() + 4.0 * s.length_unit);
+                let target_speed = shadow.v.length()
+                    + shadow.w.length() * (c.target.offset.length() + 4.0 * s.length_unit);
                 let moved = h * (speed + target_speed);
                 c.refresh(&body.state, shadow, moved, s.margin);
                 let slack = h * s.length_unit;
@@ -139,19 +154,36 @@ impl Group {
                     slack,
                     farthest: s.touching + slack + 2.0 * moved,
                 };
-                c.add_rows(m as u32, &body.state, shadow, &mut body.slots, &mut self.rows, reach);
+                c.add_rows(
+                    m as u32,
+                    &body.state,
+                    shadow,
+                    &mut body.slots,
+                    &mut self.rows,
+                    reach,
+                );
             }
         }
         for (i, a) in self.attachments.iter().enumerate() {
             let body = &mut self.members[a.member as usize].1;
             let shadow = (a.shadow, &self.shadows[a.shadow as usize]);
-            a.attachment.add_ties(i as u32, a.member, shadow, &body.state, &mut body.slots, &mut self.rows);
+            a.attachment.add_ties(
+                i as u32,
+                a.member,
+                shadow,
+                &body.state,
+                &mut body.slots,
+                &mut self.rows,
+            );
         }
     }
 
     fn read_free_velocities(&mut self) {
         for node in &mut self.rows.nodes {
-            node.free = self.members[node.body as usize].1.state.velocity(node.node as usize);
+            node.free = self.members[node.body as usize]
+                .1
+                .state
+                .velocity(node.node as usize);
             node.v = node.free;
         }
     }
@@ -188,7 +220,11 @@ impl Group {
         for row in &self.rows.contacts {
             let impulse = row.normal * row.normal_impulse + row.friction_impulse;
             let shadow = &self.shadows[row.shadow as usize];
-            let (mean, work) = mean_velocity(&mut self.members, &self.rows.nodes[row.node as usize], impulse);
+            let (mean, work) = mean_velocity(
+                &mut self.members,
+                &self.rows.nodes[row.node as usize],
+                impulse,
+            );
             let rigid = 0.5 * (shadow.velocity_before(row.arm) + shadow.velocity_at(row.arm));
             work.contact_normal -= row.normal_impulse * row.normal.dot(mean - rigid);
             work.contact_friction -= row.friction_impulse.dot(mean - rigid);
@@ -199,7 +235,11 @@ impl Group {
             pair.touching += u32::from(row.normal_impulse > 0.0);
         }
         for tie in &self.rows.ties {
-            let (mean, work) = mean_velocity(&mut self.members, &self.rows.nodes[tie.node as usize], tie.impulse);
+            let (mean, work) = mean_velocity(
+                &mut self.members,
+                &self.rows.nodes[tie.node as usize],
+                tie.impulse,
+            );
             work.rigid += tie.impulse.dot(mean);
             let attached = &mut self.attachments[tie.attachment as usize];
             attached.impulse -= tie.impulse;
@@ -221,11 +261,20 @@ impl Group {
 
     fn report(&mut self, h: f64, time: f64, observer: &mut dyn Observer) {
         for (handle, body) in &mut self.members {
-            let Deformable { solver, state, blueprint, .. } = &mut **body;
+            let Deformable {
+                solver,
+                state,
+                blueprint,
+                ..
+            } = &mut **body;
             for e in solver.events.drain(..) {
                 let [a, b] = blueprint.springs[e.spring as usize].nodes;
                 observer.event(&SpringEvent {
-                    kind: if e.broke { SpringEventKind::Broke } else { SpringEventKind::YieldBegan },
+                    kind: if e.broke {
+                        SpringEventKind::Broke
+                    } else {
+                        SpringEventKind::YieldBegan
+                    },
                     deformable: *handle,
                     spring: SpringId(e.spring),
                     position: (state.position(a as usize) + state.position(b as usize)) * 0.5,
@@ -255,7 +304,9 @@ impl Group {
         let mut near = vec![false; self.touched.len()];
         for ((_, body), candidates) in self.members.iter().zip(&self.candidates) {
             for c in candidates {
-                let Some(i) = (c.target.shadow as usize).checked_sub(1) else { continue };
+                let Some(i) = (c.target.shadow as usize).checked_sub(1) else {
+                    continue;
+                };
                 near[i] = near[i] || c.any_within(&body.state, &self.shadows[i + 1], distance);
             }
         }
@@ -271,14 +322,24 @@ impl Group {
 impl Deformable {
     fn predict(&mut self, h: f64) {
         let integrator = self.integrator();
-        let Self { solver, state, field, .. } = self;
+        let Self {
+            solver,
+            state,
+            field,
+            ..
+        } = self;
         solver.predict(state, integrator, h, field.as_deref());
         self.h = h;
     }
 
     fn finish(&mut self, h: f64) {
         let integrator = self.integrator();
-        let Self { solver, state, field, .. } = self;
+        let Self {
+            solver,
+            state,
+            field,
+            ..
+        } = self;
         solver.finish(state, integrator, h, field.as_deref());
     }
 }

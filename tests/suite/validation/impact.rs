@@ -30,34 +30,59 @@ impl Observer for Impulses {
 /// V28: a mass on a spring and damper behind a nearly massless front node.
 #[test]
 fn v28_restitution_of_a_damped_oscillator() {
-    for (zeta, expected) in [(0.1, 0.743), (0.2, 0.571)] { for safety in [0.9,0.5,0.25,0.1,0.03] {
-        let damping = 2.0 * zeta * (1000.0_f32).sqrt();
-        let net = Net::new(
-            vec![
-                Node::new(Vector::ZERO, 1e-3),
-                Node::new(Vector::new(1.0, 0.0, 0.0), 1.0),
-            ],
-            vec![Spring::new(0, 1, 1000.0).damping(damping)],
-        );
-        let mut world = weightless(1e-3);
-        world.insert(
-            RigidBodyBuilder::fixed().translation(Vector::new(-1.0, 0.0, 0.0)),
-            ColliderBuilder::cuboid(1.0, 1.0, 1.0),
-        );
-        let mut deformables = DeformableWorld::default();
-        deformables
-            .insert(
-                DeformableBuilder::new(net)
-                    .translation(Vector::new(1e-4, 0.0, 0.0))
-                    .linvel(Vector::new(-1.0, 0.0, 0.0)).substeps(Substeps::Auto{safety, min_h:0.0}),
-            )
-            .unwrap();
-        let mut seen = Impulses::default();
-        for _ in 0..300 {
-            deformables.step_with(&mut world, &(), &(), &mut seen);
+    for (zeta, expected) in [(0.1, 0.743), (0.2, 0.571)] {
+        for safety in [0.9, 0.5, 0.25, 0.1, 0.03] {
+            let damping = 2.0 * zeta * (1000.0_f32).sqrt();
+            let net = Net::new(
+                vec![
+                    Node::new(Vector::ZERO, 1e-3),
+                    Node::new(Vector::new(1.0, 0.0, 0.0), 1.0),
+                ],
+                vec![Spring::new(0, 1, 1000.0).damping(damping)],
+            );
+            let mut world = weightless(1e-3);
+            world.insert(
+                RigidBodyBuilder::fixed().translation(Vector::new(-1.0, 0.0, 0.0)),
+                ColliderBuilder::cuboid(1.0, 1.0, 1.0),
+            );
+            let mut deformables = DeformableWorld::default();
+            deformables
+                .insert(
+                    DeformableBuilder::new(net)
+                        .translation(Vector::new(1e-4, 0.0, 0.0))
+                        .linvel(Vector::new(-1.0, 0.0, 0.0))
+                        .substeps(Substeps::Auto { safety, min_h: 0.0 }),
+                )
+                .unwrap();
+            let mut seen = Impulses::default();
+            for _ in 0..300 {
+                deformables.step_with(&mut world, &(), &(), &mut seen);
+            }
+            let last = seen
+                .samples
+                .iter()
+                .rposition(|s| s.2 != 0.0)
+                .expect("contact");
+            eprintln!(
+                "n {} sumj {} t {} vel {:?}",
+                seen.samples.iter().filter(|s| s.2 != 0.0).count(),
+                seen.samples.iter().map(|s| s.2).sum::<f64>(),
+                seen.samples[last].0,
+                &seen.velocity[last - 3..last + 3]
+            );
+            eprintln!(
+                "safety {safety} h {} e {}",
+                seen.samples[last].1, seen.velocity[last]
+            );
+            if false {
+                close(
+                    &format!("e at zeta = {zeta}"),
+                    seen.velocity[last],
+                    expected,
+                    0.01,
+                );
+            }
         }
-        let last = seen.samples.iter().rposition(|s| s.2 != 0.0).expect("contact");
-        eprintln!("n {} sumj {} t {} vel {:?}", seen.samples.iter().filter(|s| s.2!=0.0).count(), seen.samples.iter().map(|s| s.2).sum::<f64>(), seen.samples[last].0, &seen.velocity[last-3..last+3]); eprintln!("safety {safety} h {} e {}", seen.samples[last].1, seen.velocity[last]);if false { close(&format!("e at zeta = {zeta}"), seen.velocity[last], expected, 0.01);}}
     }
 }
 
@@ -86,10 +111,19 @@ fn v30_bar_on_a_wall() {
     for _ in 0..60 {
         deformables.step_with(&mut world, &(), &(), &mut seen);
     }
-    let last = seen.samples.iter().rposition(|s| s.2 != 0.0).expect("contact");
+    let last = seen
+        .samples
+        .iter()
+        .rposition(|s| s.2 != 0.0)
+        .expect("contact");
     let e = seen.velocity[last];
     assert!(e >= 0.97, "restitution {e}, must be at least .97");
-    close("contact time over 2L/c", seen.samples[last].0, 2.0 * transit * 1.010, 0.02);
+    close(
+        "contact time over 2L/c",
+        seen.samples[last].0,
+        2.0 * transit * 1.010,
+        0.02,
+    );
     let plateau: Vec<f64> = seen
         .samples
         .iter()
@@ -102,7 +136,11 @@ fn v30_bar_on_a_wall() {
     let impulse: f64 = seen.samples.iter().map(|s| s.2).sum();
     close("impulse [N·s]", impulse, 10.0 * (1.0 + e), 1e-4);
     let end = deformables[handle].energies();
-    assert!((end.balance() - initial).abs() < 0.01 * initial, "energy {} against {initial}: {end:?}", end.balance());
+    assert!(
+        (end.balance() - initial).abs() < 0.01 * initial,
+        "energy {} against {initial}: {end:?}",
+        end.balance()
+    );
 }
 
 /// V32: a rigid Rapier mass strikes the free end of a bar that is held at its other end.
@@ -121,7 +159,9 @@ fn v32_rigid_mass_on_a_bar() {
             .translation(Vector::new(-0.5001, 0.0, 0.0))
             .linvel(Vector::new(v0, 0.0, 0.0))
             .can_sleep(false),
-        ColliderBuilder::cuboid(0.5, 0.5, 0.5).density(0.0).mass(10.0),
+        ColliderBuilder::cuboid(0.5, 0.5, 0.5)
+            .density(0.0)
+            .mass(10.0),
     );
     let mut deformables = DeformableWorld::default();
     deformables.params.expected_dt = dt;
@@ -154,8 +194,14 @@ fn v32_rigid_mass_on_a_bar() {
         }
         separated = last;
     }
-    close("first separation over L/c", (separated - first) / transit, 3.0677, 0.02);
+    close(
+        "first separation over L/c",
+        (separated - first) / transit,
+        3.0677,
+        0.02,
+    );
     close("velocity then", at(separated + 2.0 * dt), -0.68762, 0.02);
     let peak = seen.tension.iter().fold(0.0_f64, |p, t| p.max(-t));
-    eprintln!("peak {} e {}", peak/447.214, 0);close("peak force over ρcAv", peak / 447.214, 2.44, 0.03);
+    eprintln!("peak {} e {}", peak / 447.214, 0);
+    close("peak force over ρcAv", peak / 447.214, 2.44, 0.03);
 }
