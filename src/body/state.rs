@@ -127,11 +127,16 @@ impl<S: Scalar> State<S> {
         if !(offset.length() > limit) {
             return;
         }
-        let shift = (offset * 1024.0).round() / 1024.0;
-        self.origin += shift;
-        let by = [S::of(-shift.x), S::of(-shift.y), S::of(-shift.z)];
-        for node in 0..self.particles.len() {
-            self.displace(node, by);
+        let shift = ((offset * 1024.0).round() / 1024.0)
+            .to_array()
+            .map(|c| S::of(c));
+        self.origin += DVec3::from_array(shift.map(|c| c.f64()));
+        for (p, low) in self.particles.iter_mut().zip(&mut self.low) {
+            for axis in 0..3 {
+                // The shift is large: adding it to the low part first would round that away.
+                let (high, error) = two_sum(p.x[axis], -shift[axis]);
+                (p.x[axis], low[axis]) = two_sum(high, low[axis] + error);
+            }
         }
     }
 

@@ -31,58 +31,42 @@ impl Observer for Impulses {
 #[test]
 fn v28_restitution_of_a_damped_oscillator() {
     for (zeta, expected) in [(0.1, 0.743), (0.2, 0.571)] {
-        for safety in [0.9, 0.5, 0.25, 0.1, 0.03] {
-            let damping = 2.0 * zeta * (1000.0_f32).sqrt();
-            let net = Net::new(
-                vec![
-                    Node::new(Vector::ZERO, 1e-3),
-                    Node::new(Vector::new(1.0, 0.0, 0.0), 1.0),
-                ],
-                vec![Spring::new(0, 1, 1000.0).damping(damping)],
-            );
-            let mut world = weightless(1e-3);
-            world.insert(
-                RigidBodyBuilder::fixed().translation(Vector::new(-1.0, 0.0, 0.0)),
-                ColliderBuilder::cuboid(1.0, 1.0, 1.0),
-            );
-            let mut deformables = DeformableWorld::default();
-            deformables
-                .insert(
-                    DeformableBuilder::new(net)
-                        .translation(Vector::new(1e-4, 0.0, 0.0))
-                        .linvel(Vector::new(-1.0, 0.0, 0.0))
-                        .substeps(Substeps::Auto { safety, min_h: 0.0 }),
-                )
-                .unwrap();
-            let mut seen = Impulses::default();
-            for _ in 0..300 {
-                deformables.step_with(&mut world, &(), &(), &mut seen);
-            }
-            let last = seen
-                .samples
-                .iter()
-                .rposition(|s| s.2 != 0.0)
-                .expect("contact");
-            eprintln!(
-                "n {} sumj {} t {} vel {:?}",
-                seen.samples.iter().filter(|s| s.2 != 0.0).count(),
-                seen.samples.iter().map(|s| s.2).sum::<f64>(),
-                seen.samples[last].0,
-                &seen.velocity[last - 3..last + 3]
-            );
-            eprintln!(
-                "safety {safety} h {} e {}",
-                seen.samples[last].1, seen.velocity[last]
-            );
-            if false {
-                close(
-                    &format!("e at zeta = {zeta}"),
-                    seen.velocity[last],
-                    expected,
-                    0.01,
-                );
-            }
+        let damping = 2.0 * zeta * (1000.0_f32).sqrt();
+        let net = Net::new(
+            vec![
+                Node::new(Vector::ZERO, 1e-3),
+                Node::new(Vector::new(1.0, 0.0, 0.0), 1.0),
+            ],
+            vec![Spring::new(0, 1, 1000.0).damping(damping)],
+        );
+        let mut world = weightless(1e-3);
+        world.insert(
+            RigidBodyBuilder::fixed().translation(Vector::new(-1.0, 0.0, 0.0)),
+            ColliderBuilder::cuboid(1.0, 1.0, 1.0),
+        );
+        let mut deformables = DeformableWorld::default();
+        deformables
+            .insert(
+                DeformableBuilder::new(net)
+                    .translation(Vector::new(1e-4, 0.0, 0.0))
+                    .linvel(Vector::new(-1.0, 0.0, 0.0)),
+            )
+            .unwrap();
+        let mut seen = Impulses::default();
+        for _ in 0..300 {
+            deformables.step_with(&mut world, &(), &(), &mut seen);
         }
+        let last = seen
+            .samples
+            .iter()
+            .rposition(|s| s.2 != 0.0)
+            .expect("contact");
+        close(
+            &format!("e at zeta = {zeta}"),
+            seen.velocity[last],
+            expected,
+            0.01,
+        );
     }
 }
 
@@ -166,7 +150,7 @@ fn v32_rigid_mass_on_a_bar() {
     let mut deformables = DeformableWorld::default();
     deformables.params.expected_dt = dt;
     deformables
-        .insert(DeformableBuilder::new(net).substeps(Substeps::Fixed(64)))
+        .insert(DeformableBuilder::new(net).substeps(Substeps::Fixed(8)))
         .unwrap();
     let mut seen = Impulses::default();
     let mut speed = Vec::new();
@@ -202,6 +186,5 @@ fn v32_rigid_mass_on_a_bar() {
     );
     close("velocity then", at(separated + 2.0 * dt), -0.68762, 0.02);
     let peak = seen.tension.iter().fold(0.0_f64, |p, t| p.max(-t));
-    eprintln!("peak {} e {}", peak / 447.214, 0);
     close("peak force over ρcAv", peak / 447.214, 2.44, 0.03);
 }
