@@ -125,13 +125,23 @@ mod tests {
     fn errors_name_the_path() {
         let path = file("wrong.csv");
         let lengths = write_csv(&path, &[("a", &[1.0]), ("b", &[])]).unwrap_err();
-        assert!(matches!(lengths, CsvError::Lengths { rows: 0, expected: 1, .. }));
+        assert!(matches!(
+            lengths,
+            CsvError::Lengths {
+                rows: 0,
+                expected: 1,
+                ..
+            }
+        ));
         let header = write_csv(&path, &[("a,b", &[])]).unwrap_err();
         assert!(!path.exists());
         let nowhere = path.join("table.csv");
         let write = write_csv(&nowhere, &[("a", &[1.0])]).unwrap_err();
         for (error, path) in [(lengths, &path), (header, &path), (write, &nowhere)] {
-            assert!(error.to_string().contains(&path.display().to_string()), "{error}");
+            assert!(
+                error.to_string().contains(&path.display().to_string()),
+                "{error}"
+            );
         }
     }
 }

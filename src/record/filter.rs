@@ -180,16 +180,28 @@ mod tests {
     #[test]
     fn coefficients_are_those_of_the_standard() {
         let c = Cfc::Cfc60.coefficients(DT).unwrap();
-        for (value, expected) in [(c.a0, 0.001452367), (c.b1, 1.889343224), (c.b2, -0.895152694)] {
+        for (value, expected) in [
+            (c.a0, 0.001452367),
+            (c.b1, 1.889343224),
+            (c.b2, -0.895152694),
+        ] {
             assert_abs_diff_eq!(value, expected, epsilon = 1.0e-9);
         }
         let c = Cfc::Cfc1000.coefficients(DT).unwrap();
-        for (value, expected) in [(c.a0, 0.219231417), (c.b1, 0.311896545), (c.b2, -0.188822214)] {
+        for (value, expected) in [
+            (c.a0, 0.219231417),
+            (c.b1, 0.311896545),
+            (c.b2, -0.188822214),
+        ] {
             assert_abs_diff_eq!(value, expected, epsilon = 1.0e-9);
         }
         for class in Cfc::ALL {
             let c = class.coefficients(1.0e-5).unwrap();
-            assert_abs_diff_eq!((c.a0 + c.a1 + c.a2) / (1.0 - c.b1 - c.b2), 1.0, epsilon = 1.0e-9);
+            assert_abs_diff_eq!(
+                (c.a0 + c.a1 + c.a2) / (1.0 - c.b1 - c.b2),
+                1.0,
+                epsilon = 1.0e-9
+            );
         }
     }
 
@@ -250,12 +262,21 @@ mod tests {
     #[test]
     fn what_is_wrong_is_named() {
         for dt in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-            assert!(matches!(Cfc::Cfc60.filter(dt, &[]), Err(FilterError::Step { .. })));
+            assert!(matches!(
+                Cfc::Cfc60.filter(dt, &[]),
+                Err(FilterError::Step { .. })
+            ));
         }
-        assert!(matches!(Cfc::Cfc60.filter(2.0e-3, &[]), Err(FilterError::Rate { class: 60, .. })));
+        assert!(matches!(
+            Cfc::Cfc60.filter(2.0e-3, &[]),
+            Err(FilterError::Rate { class: 60, .. })
+        ));
         assert!(Cfc::Cfc60.coefficients(1.0 / 600.0).is_ok());
         let error = Cfc::Cfc60.filter(DT, &[0.0, 1.0, f64::NAN]).unwrap_err();
-        assert!(matches!(error, FilterError::Sample { index: 2, .. }), "{error}");
+        assert!(
+            matches!(error, FilterError::Sample { index: 2, .. }),
+            "{error}"
+        );
         assert_eq!(Cfc::Cfc60.filter(DT, &[]).unwrap(), Vec::<f64>::new());
     }
 }

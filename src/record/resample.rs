@@ -27,7 +27,9 @@ pub enum ResampleError {
         dt: f64,
     },
     /// There is not one more edge than values.
-    #[error("{edges} times for {values} values; the times are edges, one more than there are values")]
+    #[error(
+        "{edges} times for {values} values; the times are edges, one more than there are values"
+    )]
     Lengths {
         /// Length of the times.
         edges: usize,
@@ -76,7 +78,10 @@ pub fn resample(times: &[f64], values: &[f64], dt: f64) -> Result<Resampled, Res
         return Err(ResampleError::Step { dt });
     }
     if values.is_empty() && times.len() <= 1 {
-        let dt_only = Resampled { dt, ..Default::default() };
+        let dt_only = Resampled {
+            dt,
+            ..Default::default()
+        };
         return Ok(dt_only);
     }
     if times.len() != values.len() + 1 {
@@ -108,14 +113,21 @@ pub fn resample(times: &[f64], values: &[f64], dt: f64) -> Result<Resampled, Res
         let [from, to] = [times[i], times[i + 1]].map(|t| ((t - start) / width).clamp(0.0, bins));
         let last = ((to.ceil() as usize).max(1) - 1).min(count - 1);
         let mut at = from;
-        for (bin, sum) in impulse.iter_mut().enumerate().take(last + 1).skip(from as usize) {
+        for (bin, sum) in impulse
+            .iter_mut()
+            .enumerate()
+            .take(last + 1)
+            .skip(from as usize)
+        {
             let next = if bin == last { to } else { (bin + 1) as f64 };
             *sum += value * (next - at);
             at = next;
         }
     }
     Ok(Resampled {
-        times: (0..count).map(|i| start + (i as f64 + 0.5) * width).collect(),
+        times: (0..count)
+            .map(|i| start + (i as f64 + 0.5) * width)
+            .collect(),
         values: impulse,
         dt: width,
     })
@@ -130,22 +142,44 @@ mod tests {
     #[test]
     fn bins_are_means() {
         let r = resample(&[0.0, 1.0, 1.5, 2.0], &[4.0, 2.0, 6.0], 1.0).unwrap();
-        assert_eq!((r.times, r.values, r.dt), (vec![0.5, 1.5], vec![4.0, 4.0], 1.0));
+        assert_eq!(
+            (r.times, r.values, r.dt),
+            (vec![0.5, 1.5], vec![4.0, 4.0], 1.0)
+        );
         let r = resample(&[0.0, 2.0], &[3.0], 0.75).unwrap();
-        assert_eq!((r.values.len(), r.dt), (3, 2.0 / 3.0), "bins fill the recording");
+        assert_eq!(
+            (r.values.len(), r.dt),
+            (3, 2.0 / 3.0),
+            "bins fill the recording"
+        );
         assert_eq!(resample(&[], &[], 1.0).unwrap().values.len(), 0);
         assert_eq!(resample(&[7.0], &[], 1.0).unwrap().values.len(), 0);
     }
 
     #[test]
     fn what_is_wrong_is_named() {
-        assert!(matches!(resample(&[0.0, 1.0], &[1.0], 0.0), Err(ResampleError::Step { .. })));
-        assert!(matches!(resample(&[0.0], &[1.0], 1.0), Err(ResampleError::Lengths { .. })));
+        assert!(matches!(
+            resample(&[0.0, 1.0], &[1.0], 0.0),
+            Err(ResampleError::Step { .. })
+        ));
+        assert!(matches!(
+            resample(&[0.0], &[1.0], 1.0),
+            Err(ResampleError::Lengths { .. })
+        ));
         let error = resample(&[0.0, 1.0, 1.0], &[1.0, 1.0], 1.0).unwrap_err();
-        assert!(matches!(error, ResampleError::Time { index: 2, .. }), "{error}");
+        assert!(
+            matches!(error, ResampleError::Time { index: 2, .. }),
+            "{error}"
+        );
         let error = resample(&[0.0, 1.0], &[f64::NAN], 1.0).unwrap_err();
-        assert!(matches!(error, ResampleError::Value { index: 0, .. }), "{error}");
-        assert!(matches!(resample(&[0.0, 1.0], &[1.0], 1.0e-12), Err(ResampleError::Bins { .. })));
+        assert!(
+            matches!(error, ResampleError::Value { index: 0, .. }),
+            "{error}"
+        );
+        assert!(matches!(
+            resample(&[0.0, 1.0], &[1.0], 1.0e-12),
+            Err(ResampleError::Bins { .. })
+        ));
     }
 
     proptest! {

@@ -35,17 +35,37 @@ impl Camera {
         let target = 0.5 * (low + high);
         let from = from.try_normalize().unwrap_or(Vector::Z);
         let mut camera = Self::new(target + from, target);
-        let Some(view) = View::new(&camera, [aspect.max(0.01), 1.0]) else {
+        let Some(view) = View::new(&camera, [1.0, 1.0]) else {
             return camera;
         };
-        let mut distance: Real = 1.0e-3;
-        for corner in 0..8 {
+        let half = 0.9 * (0.5 * camera.fov_y).tan();
+        let room = [half * aspect.max(0.01), half];
+        let corners = [0, 1, 2, 3, 4, 5, 6, 7].map(|corner| {
             let side = |bit: u32, a: Real, b: Real| if corner & (1 << bit) == 0 { a } else { b };
-            let p = Vector::new(side(0, low.x, high.x), side(1, low.y, high.y), side(2, low.z, high.z)) - target;
-            let half = (0.5 * camera.fov_y).tan() * 0.9;
-            let [x, y] = [p.dot(view.right).abs() / aspect, p.dot(view.up).abs()];
-            distance = distance.max(x.max(y) / half - p.dot(view.forward));
+            let p = Vector::new(
+                side(0, low.x, high.x),
+                side(1, low.y, high.y),
+                side(2, low.z, high.z),
+            ) - target;
+            [p.dot(view.right), p.dot(view.up), p.dot(view.forward)]
+        });
+        let (mut distance, mut offset) = (2.0 * (high - low).length().max(1.0e-3), [0.0; 2]);
+        // The middle of what is seen depends on the distance and the other way round; a few rounds settle both.
+        for _ in 0..20 {
+            let mut needed = Real::NEG_INFINITY;
+            for k in 0..2 {
+                let at =
+                    |c: &[Real; 3]| (c[k] - offset[k]) / (distance + c[2]).max(1.0e-3 * distance);
+                let [least, most] = [Real::min as fn(Real, Real) -> Real, Real::max]
+                    .map(|f| corners.iter().map(at).fold(at(&corners[0]), f));
+                offset[k] += 0.5 * (least + most) * distance;
+                let reach = |c: &[Real; 3]| (c[k] - offset[k]).abs() / room[k] - c[2];
+                needed = corners.iter().map(reach).fold(needed, Real::max);
+            }
+            distance = needed.max(1.0e-3);
         }
+        let target = target + view.right * offset[0] + view.up * offset[1];
+        camera.target = target;
         camera.eye = target + distance * from;
         camera
     }
@@ -82,7 +102,7 @@ impl View {
         }
         let sky = camera.up.try_normalize().unwrap_or(up);
         let back = (-forward + sky * forward.dot(sky)).try_normalize();
-        let light = sky - 0.5 * right + 0.5 * back.unwrap_or(up);
+        let light = 0.85 * sky - 0.5 * right + 0.5 * back.unwrap_or(up);
         Some(Self {
             eye: camera.eye,
             right,
@@ -105,7 +125,11 @@ impl View {
     pub fn project(&self, local: Vector) -> [Real; 3] {
         let w = 1.0 / local.z;
         let scale = self.focal * w;
-        [self.center[0] + local.x * scale, self.center[1] - local.y * scale, w]
+        [
+            self.center[0] + local.x * scale,
+            self.center[1] - local.y * scale,
+            w,
+        ]
     }
 
     /// The direction through a point of the picture \[pixels\]; its part along `forward` is 1.

@@ -14,12 +14,16 @@ pub fn decimate(x: &[f64], y: &[f64], columns: usize) -> Vec<Line> {
     let (low, high) = points
         .iter()
         .filter(|p| finite(p))
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |r, p| (r.0.min(p.0), r.1.max(p.0)));
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |r, p| {
+            (r.0.min(p.0), r.1.max(p.0))
+        });
     let scale = columns as f64 / (high - low).max(f64::MIN_POSITIVE);
     let mut pieces = Vec::new();
     for piece in points.split(|p| !finite(p)).filter(|p| !p.is_empty()) {
         let mut line = Line::new();
-        for run in piece.chunk_by(|a, b| ((a.0 - low) * scale).floor() == ((b.0 - low) * scale).floor()) {
+        for run in
+            piece.chunk_by(|a, b| ((a.0 - low) * scale).floor() == ((b.0 - low) * scale).floor())
+        {
             thin(run, &mut line);
         }
         pieces.push(line);
@@ -56,7 +60,12 @@ mod tests {
         assert_eq!(pieces.len(), 1);
         let line = &pieces[0];
         assert!(line.len() <= 4 * 1001, "{}", line.len());
-        for p in [(31_415.0, 50.0), (77_777.0, -70.0), (0.0, 0.0), (99_999.0, y[99_999])] {
+        for p in [
+            (31_415.0, 50.0),
+            (77_777.0, -70.0),
+            (0.0, 0.0),
+            (99_999.0, y[99_999]),
+        ] {
             assert!(line.contains(&p), "{p:?}");
         }
         assert!(line.windows(2).all(|w| w[0].0 < w[1].0));
@@ -68,6 +77,9 @@ mod tests {
         let pieces = decimate(&[0.0, 1.0, 2.0, 3.0], &[5.0, nan, 6.0, 7.0], 10);
         assert_eq!(pieces, [vec![(0.0, 5.0)], vec![(2.0, 6.0), (3.0, 7.0)]]);
         assert_eq!(decimate(&[nan], &[nan], 10), Vec::<Line>::new());
-        assert_eq!(decimate(&[2.0, 2.0], &[1.0, 3.0], 10), [vec![(2.0, 1.0), (2.0, 3.0)]]);
+        assert_eq!(
+            decimate(&[2.0, 2.0], &[1.0, 3.0], 10),
+            [vec![(2.0, 1.0), (2.0, 3.0)]]
+        );
     }
 }

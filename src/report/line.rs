@@ -14,12 +14,25 @@ const FAVOUR: Real = 1.004;
 impl Picture {
     /// Draws a straight line between two points \[m\] in a display RGB, `width` pixels wide. Points that are not finite draw
     /// nothing.
-    pub fn draw_line(&mut self, camera: &Camera, from: Vector, to: Vector, color: [f32; 3], width: f32) {
+    pub fn draw_line(
+        &mut self,
+        camera: &Camera,
+        from: Vector,
+        to: Vector,
+        color: [f32; 3],
+        width: f32,
+    ) {
         self.draw_lines(camera, &[[from, to]], color, width);
     }
 
     /// Draws many straight lines: the same as [`draw_line`](Self::draw_line) for each.
-    pub fn draw_lines(&mut self, camera: &Camera, lines: &[[Vector; 2]], color: [f32; 3], width: f32) {
+    pub fn draw_lines(
+        &mut self,
+        camera: &Camera,
+        lines: &[[Vector; 2]],
+        color: [f32; 3],
+        width: f32,
+    ) {
         let size = self.fine_size().map(|n| n as Real);
         let Some(view) = View::new(camera, size) else {
             return;
@@ -49,14 +62,20 @@ impl Picture {
         if !(length.is_finite() && dx.is_finite() && dy.is_finite()) {
             return;
         }
-        let slope = if length > 0.0 { (b[across] - a[across]) / length } else { 0.0 };
+        let slope = if length > 0.0 {
+            (b[across] - a[across]) / length
+        } else {
+            0.0
+        };
         let reach = half * slope.hypot(1.0) + 0.5;
         for i in within((a[along] - 0.5).floor(), along)..within((b[along] + 0.5).ceil(), along) {
             let step = (i as Real + 0.5 - a[along]).clamp(0.0, length);
             let t = if length > 0.0 { step / length } else { 0.0 };
             let w = a[2] + (b[2] - a[2]) * t;
             let middle = a[across] + slope * step;
-            for j in within((middle - reach).floor(), across)..within((middle + reach).ceil(), across) {
+            for j in
+                within((middle - reach).floor(), across)..within((middle + reach).ceil(), across)
+            {
                 let mut at = [i; 2];
                 at[across] = j;
                 if w * FAVOUR >= self.depth(at) {
@@ -75,7 +94,11 @@ fn clip([a, b]: [Vector; 2], near: Real) -> Option<[Vector; 2]> {
     }
     let at = |from: Vector, to: Vector| {
         let t = (near - from.z) / (to.z - from.z);
-        if from.z < near { from + (to - from) * t } else { from }
+        if from.z < near {
+            from + (to - from) * t
+        } else {
+            from
+        }
     };
     Some([at(a, b), at(b, a)])
 }

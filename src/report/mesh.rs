@@ -38,24 +38,37 @@ impl Mesh {
 
     /// The same mesh, shaded smoothly.
     pub fn smooth(self) -> Self {
-        Self { smooth: true, ..self }
+        Self {
+            smooth: true,
+            ..self
+        }
     }
 
     /// The smallest box that holds every finite vertex \[m\]; `None` without any.
     pub fn bounds(&self) -> Option<(Vector, Vector)> {
         let finite = self.vertices.iter().copied().filter(|v| v.is_finite());
-        finite.map(|v| (v, v)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+        finite
+            .map(|v| (v, v))
+            .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
     }
 
     /// Corners of a triangle, where all three exist and are finite.
     pub(super) fn corners(&self, triangle: [u32; 3]) -> Option<[Vector; 3]> {
-        let at = |i: u32| self.vertices.get(i as usize).copied().filter(|v| v.is_finite());
+        let at = |i: u32| {
+            self.vertices
+                .get(i as usize)
+                .copied()
+                .filter(|v| v.is_finite())
+        };
         Some([at(triangle[0])?, at(triangle[1])?, at(triangle[2])?])
     }
 
     /// The colour of a vertex.
     pub(super) fn color(&self, vertex: u32) -> [f32; 3] {
-        self.colors.get(vertex as usize).copied().unwrap_or([0.75; 3])
+        self.colors
+            .get(vertex as usize)
+            .copied()
+            .unwrap_or([0.75; 3])
     }
 
     /// Normals of the vertices, weighted by area; zero where a vertex has no triangle.
@@ -69,14 +82,19 @@ impl Mesh {
                 }
             }
         }
-        normals.into_iter().map(|n| n.try_normalize().unwrap_or(Vector::ZERO)).collect()
+        normals
+            .into_iter()
+            .map(|n| n.try_normalize().unwrap_or(Vector::ZERO))
+            .collect()
     }
 
     /// Edges that outline the mesh: those of one triangle only, and those over which the surface turns by more than 30°.
     pub(super) fn outline(&self) -> Vec<[Vector; 2]> {
         let mut edges: HashMap<[u32; 2], Vec<Vector>> = HashMap::new();
         for &triangle in &self.triangles {
-            let Some(p) = self.corners(triangle) else { continue };
+            let Some(p) = self.corners(triangle) else {
+                continue;
+            };
             let Some(normal) = (p[1] - p[0]).cross(p[2] - p[0]).try_normalize() else {
                 continue;
             };
@@ -89,8 +107,14 @@ impl Mesh {
             [a, b] => a.dot(*b) < 0.866,
             _ => true,
         };
-        let mut kept: Vec<[u32; 2]> = edges.into_iter().filter(|e| sharp(&e.1)).map(|e| e.0).collect();
+        let mut kept: Vec<[u32; 2]> = edges
+            .into_iter()
+            .filter(|e| sharp(&e.1))
+            .map(|e| e.0)
+            .collect();
         kept.sort_unstable();
-        kept.into_iter().map(|e| e.map(|i| self.vertices[i as usize])).collect()
+        kept.into_iter()
+            .map(|e| e.map(|i| self.vertices[i as usize]))
+            .collect()
     }
 }

@@ -15,6 +15,7 @@ pub mod mesh;
 pub mod picture;
 pub mod plot;
 mod raster;
+mod shadow;
 pub mod shape;
 pub mod table;
 pub mod text;

@@ -57,7 +57,8 @@ impl Picture {
     /// All pixels, row by row from the top, red, green and blue of each.
     pub fn rgb(&self) -> Vec<u8> {
         let rows = 0..self.height;
-        rows.flat_map(|y| (0..self.width).flat_map(move |x| self.average(x, y))).collect()
+        rows.flat_map(|y| (0..self.width).flat_map(move |x| self.average(x, y)))
+            .collect()
     }
 
     /// Writes the picture as a PNG, whatever the path ends in; an existing file is replaced.
@@ -68,7 +69,12 @@ impl Picture {
         use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
         let mut png = Vec::new();
         PngEncoder::new(&mut png)
-            .write_image(&self.rgb(), self.width(), self.height(), ExtendedColorType::Rgb8)
+            .write_image(
+                &self.rgb(),
+                self.width(),
+                self.height(),
+                ExtendedColorType::Rgb8,
+            )
             .map_err(|source| ReportError::Encode {
                 path: path.to_owned(),
                 source,
@@ -120,13 +126,19 @@ impl Picture {
     }
 
     /// Fills a rectangle given by two corners \[pixels\] with a colour for each position \[pixels\], over whatever is there.
-    pub(super) fn fill(&mut self, from: [f32; 2], to: [f32; 2], color: impl Fn(f32, f32) -> [f32; 3]) {
+    pub(super) fn fill(
+        &mut self,
+        from: [f32; 2],
+        to: [f32; 2],
+        cover: f32,
+        color: impl Fn(f32, f32) -> [f32; 3],
+    ) {
         let size = self.fine_size();
         let at = |p: f32, k: usize| (p * FINE as f32).round().clamp(0.0, size[k] as f32) as usize;
         for y in at(from[1], 1)..at(to[1], 1) {
             for x in at(from[0], 0)..at(to[0], 0) {
                 let [px, py] = [x, y].map(|i| (i as f32 + 0.5) / FINE as f32);
-                self.blend([x, y], color(px, py), 1.0);
+                self.blend([x, y], color(px, py), cover);
             }
         }
     }
@@ -158,7 +170,10 @@ pub fn contact_sheet(pictures: &[Picture], columns: usize) -> Picture {
     let mut sheet = Picture::new(total(columns, width), total(rows, height));
     sheet.color.fill([255; 3]);
     for (i, picture) in pictures.iter().enumerate() {
-        let at = [(i % columns) * (width + GAP), (i / columns) * (height + GAP)];
+        let at = [
+            (i % columns) * (width + GAP),
+            (i / columns) * (height + GAP),
+        ];
         sheet.paste(picture, at);
     }
     sheet

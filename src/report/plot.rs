@@ -14,8 +14,16 @@ use std::path::Path;
 const SIZE: [f64; 2] = [1200.0, 750.0];
 
 /// Okabe and Ito's palette, without its yellow (too light on white), and a grey and a brown to make nine.
-const COLORS: [&str; 9] = [
-    "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000", "#E69F00", "#56B4E9", "#8C5A2B", "#8A8A8A",
+const COLORS: [[u8; 3]; 9] = [
+    [0, 114, 178],
+    [213, 94, 0],
+    [0, 158, 115],
+    [204, 121, 167],
+    [0, 0, 0],
+    [230, 159, 0],
+    [86, 180, 233],
+    [140, 90, 43],
+    [138, 138, 138],
 ];
 
 /// How a series is drawn.
@@ -72,10 +80,11 @@ impl Plot {
         }
         let curves = self.curves();
         let layout = self.layout(&curves);
-        let png = kuva::render_to_raster(curves, layout, 1.0).map_err(|reason| ReportError::Draw {
-            path: path.to_owned(),
-            reason,
-        })?;
+        let png =
+            kuva::render_to_raster(curves, layout, 1.0).map_err(|reason| ReportError::Draw {
+                path: path.to_owned(),
+                reason,
+            })?;
         std::fs::write(path, png).map_err(|source| ReportError::Write {
             path: path.to_owned(),
             source,
@@ -86,11 +95,16 @@ impl Plot {
     fn curves(&self) -> Vec<plots::Plot> {
         let mut curves = Vec::new();
         for style in [Stroke::Thin, Stroke::Bold] {
-            for (i, s) in self.series.iter().enumerate().filter(|(_, s)| s.style == style) {
+            for (i, s) in self
+                .series
+                .iter()
+                .enumerate()
+                .filter(|(_, s)| s.style == style)
+            {
                 for line in decimate(&s.x, &s.y, SIZE[0] as usize) {
                     let curve = LinePlot::new()
                         .with_data(line)
-                        .with_color(color(i))
+                        .with_color(color(i, style))
                         .with_stroke_width(if style == Stroke::Thin { 0.8 } else { 2.4 });
                     curves.push(plots::Plot::Line(curve));
                 }
@@ -98,23 +112,29 @@ impl Plot {
         }
         if curves.is_empty() {
             // Axes want a range even where there is nothing to show.
-            let nothing = LinePlot::new().with_data([(0.0, 0.0), (1.0, 0.0)]).with_stroke_width(0.0);
+            let nothing = LinePlot::new()
+                .with_data([(0.0, 0.0), (1.0, 0.0)])
+                .with_stroke_width(0.0);
             curves.push(plots::Plot::Line(nothing));
         }
         curves
     }
 
     fn layout(&self, curves: &[plots::Plot]) -> Layout {
-        let legend = self.series.iter().enumerate().filter(|(_, s)| !s.name.is_empty());
+        let legend = self
+            .series
+            .iter()
+            .enumerate()
+            .filter(|(_, s)| !s.name.is_empty());
         let legend: Vec<LegendEntry> = legend
             .map(|(i, s)| LegendEntry {
                 label: plain(&s.name),
-                color: color(i).to_owned(),
+                color: color(i, s.style),
                 shape: LegendShape::Line,
                 dasharray: None,
             })
             .collect();
-        let layout = Layout::auto_from_plots(curves)
+        let mut layout = Layout::auto_from_plots(curves)
             .with_width(SIZE[0])
             .with_height(SIZE[1])
             .with_title(plain(&self.title))
@@ -124,6 +144,12 @@ impl Plot {
             .with_label_size(19)
             .with_tick_size(16)
             .with_body_size(16);
+        if let Some([low, high]) = range(self.series.iter().flat_map(|s| &s.x), 0.0) {
+            layout = layout.with_x_axis_min(low).with_x_axis_max(high);
+        }
+        if let Some([low, high]) = range(self.series.iter().flat_map(|s| &s.y), 0.05) {
+            layout = layout.with_y_axis_min(low).with_y_axis_max(high);
+        }
         if legend.is_empty() {
             layout
         } else {
@@ -132,8 +158,27 @@ impl Plot {
     }
 }
 
-fn color(i: usize) -> &'static str {
-    COLORS[i % COLORS.len()]
+/// The colour of a curve; a thin one is half as strong, as its ringing covers an area.
+fn color(i: usize, style: Stroke) -> String {
+    let [r, g, b] = COLORS[i % COLORS.len()].map(|c| match style {
+        Stroke::Thin => 128 + c / 2,
+        Stroke::Bold => c,
+    });
+    format!("#{r:02X}{g:02X}{b:02X}")
+}
+
+/// The range of the finite among values, a little wider; `None` without any.
+fn range<'a>(values: impl Iterator<Item = &'a f64>, margin: f64) -> Option<[f64; 2]> {
+    let finite = values.copied().filter(|v| v.is_finite());
+    let (low, high) = finite
+        .map(|v| (v, v))
+        .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))?;
+    let width = high - low;
+    if !(width > 1.0e-9 * low.abs().max(high.abs()) && width.is_finite()) {
+        return None;
+    }
+    let wider = |v: f64, by: f64| if v == 0.0 { v } else { v + by };
+    Some([wider(low, -margin * width), wider(high, margin * width)])
 }
 
 /// Text with its dollars as dollars: the plotting library reads `$…$` as mathematics.

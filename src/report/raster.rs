@@ -19,7 +19,11 @@ impl Picture {
         let Some(view) = View::new(camera, [width, height]) else {
             return;
         };
-        let normals = if mesh.smooth { mesh.normals() } else { Vec::new() };
+        let normals = if mesh.smooth {
+            mesh.normals()
+        } else {
+            Vec::new()
+        };
         for &triangle in &mesh.triangles {
             let Some(points) = mesh.corners(triangle) else {
                 continue;
@@ -28,7 +32,11 @@ impl Picture {
             let Some(flat) = flat.try_normalize() else {
                 continue;
             };
-            let side = if flat.dot(points[0] - view.eye) > 0.0 { -1.0 } else { 1.0 };
+            let side = if flat.dot(points[0] - view.eye) > 0.0 {
+                -1.0
+            } else {
+                1.0
+            };
             let corners = [0, 1, 2].map(|k| {
                 let normal = normals.get(triangle[k] as usize).copied().unwrap_or(flat);
                 let color = Vector::from_array(mesh.color(triangle[k]));
@@ -82,8 +90,8 @@ impl Picture {
 fn brightness(view: &View, up: Vector, normal: Vector) -> Real {
     let sky = up.try_normalize().unwrap_or(view.up);
     let fill = view.right - 0.5 * view.forward + 0.2 * sky;
-    let ambient = 0.32 + 0.10 * normal.dot(sky);
-    let key = 0.70 * normal.dot(view.light).max(0.0);
+    let ambient = 0.36 + 0.10 * normal.dot(sky);
+    let key = 0.66 * normal.dot(view.light).max(0.0);
     let fill = 0.13 * normal.dot(fill).max(0.0);
     ambient + key + fill
 }

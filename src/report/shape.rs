@@ -23,7 +23,9 @@ impl Mesh {
             [0, 2, 3, 1],
             [4, 5, 7, 6],
         ];
-        let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+        let triangles = quads
+            .iter()
+            .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
         let vertices = (0..8).map(|i| pose.transform_point(corner(i))).collect();
         Self::new(vertices, triangles.collect(), color)
     }
@@ -37,7 +39,11 @@ impl Mesh {
     pub fn cylinder(half_height: Real, radius: Real, pose: &Pose, color: [f32; 3]) -> Self {
         let [low, high] = [[radius, -half_height], [radius, half_height]];
         let axis = |p: [Real; 2]| [0.0, p[1]];
-        let pieces = [vec![axis(low), low], vec![low, high], vec![high, axis(high)]];
+        let pieces = [
+            vec![axis(low), low],
+            vec![low, high],
+            vec![high, axis(high)],
+        ];
         revolve(&pieces, pose, color)
     }
 
@@ -61,19 +67,35 @@ fn arc(radius: Real, middle: Real, from: Real, to: Real, steps: u32) -> Vec<[Rea
 fn revolve(pieces: &[Vec<[Real; 2]>], pose: &Pose, color: [f32; 3]) -> Mesh {
     let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
     for piece in pieces {
-        let first = vertices.len() as u32;
+        let widest = piece.iter().fold(0.0, |w: Real, p| w.max(p[0]));
+        // The vertices of each ring: one where the profile meets the axis.
+        let mut rings: Vec<Vec<u32>> = Vec::new();
         for [radius, height] in piece {
-            for i in 0..AROUND {
+            let count = if *radius <= 1.0e-5 * widest {
+                1
+            } else {
+                AROUND
+            };
+            let first = vertices.len() as u32;
+            for i in 0..count {
                 let (sin, cos) = (2.0 * PI * i as Real / AROUND as Real).sin_cos();
-                vertices.push(pose.transform_point(Vector::new(radius * cos, *height, radius * sin)));
+                vertices.push(pose.transform_point(Vector::new(
+                    radius * cos,
+                    *height,
+                    radius * sin,
+                )));
             }
+            rings.push((0..AROUND).map(|i| first + i % count).collect());
         }
-        for ring in 1..piece.len() as u32 {
-            for i in 0..AROUND {
-                let next = (i + 1) % AROUND;
-                let [low, high] = [first + (ring - 1) * AROUND, first + ring * AROUND];
-                triangles.push([low + i, high + i, high + next]);
-                triangles.push([low + i, high + next, low + next]);
+        for ring in rings.windows(2) {
+            for i in 0..AROUND as usize {
+                let next = (i + 1) % AROUND as usize;
+                let [a, b, c, d] = [ring[0][i], ring[1][i], ring[1][next], ring[0][next]];
+                triangles.extend(
+                    [[a, b, c], [a, c, d]]
+                        .into_iter()
+                        .filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]),
+                );
             }
         }
     }
@@ -111,6 +133,20 @@ mod tests {
     fn a_box_is_outlined_by_its_twelve_edges() {
         let edges = Mesh::cuboid(Vector::ONE, &Pose::IDENTITY, [0.5; 3]).outline();
         assert_eq!(edges.len(), 12);
-        assert!(edges.iter().all(|[a, b]| (a.distance(*b) - 2.0).abs() < 1.0e-6));
+        assert_eq!(
+            Mesh::ball(1.0, &Pose::IDENTITY, [0.5; 3]).outline().len(),
+            0
+        );
+        assert_eq!(
+            Mesh::cylinder(1.0, 1.0, &Pose::IDENTITY, [0.5; 3])
+                .outline()
+                .len(),
+            4 * AROUND as usize
+        );
+        assert!(
+            edges
+                .iter()
+                .all(|[a, b]| (a.distance(*b) - 2.0).abs() < 1.0e-6)
+        );
     }
 }

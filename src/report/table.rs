@@ -19,7 +19,12 @@ impl Table {
     }
 
     /// Adds a row; `unit` may be empty.
-    pub fn row(&mut self, name: impl Into<String>, value: f64, unit: impl Into<String>) -> &mut Self {
+    pub fn row(
+        &mut self,
+        name: impl Into<String>,
+        value: f64,
+        unit: impl Into<String>,
+    ) -> &mut Self {
         self.rows.push((name.into(), value, unit.into()));
         self
     }
@@ -33,19 +38,26 @@ impl Table {
 impl<N: Into<String>, U: Into<String>> FromIterator<(N, f64, U)> for Table {
     fn from_iter<I: IntoIterator<Item = (N, f64, U)>>(rows: I) -> Self {
         let rows = rows.into_iter().map(|(n, v, u)| (n.into(), v, u.into()));
-        Self { rows: rows.collect() }
+        Self {
+            rows: rows.collect(),
+        }
     }
 }
 
 impl Display for Table {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let cells: Vec<(String, String)> = self.rows.iter().map(|r| split(&number(r.1))).collect();
-        let width = |texts: &mut dyn Iterator<Item = &str>| texts.map(|t| t.chars().count()).max().unwrap_or(0);
+        let width = |texts: &mut dyn Iterator<Item = &str>| {
+            texts.map(|t| t.chars().count()).max().unwrap_or(0)
+        };
         let name = width(&mut self.rows.iter().map(|r| r.0.as_str()));
         let whole = width(&mut cells.iter().map(|c| c.0.as_str()));
         let rest = width(&mut cells.iter().map(|c| c.1.as_str()));
         for (row, cell) in self.rows.iter().zip(&cells) {
-            let line = format!("{:name$}  {:>whole$}{:rest$}  {}", row.0, cell.0, cell.1, row.2);
+            let line = format!(
+                "{:name$}  {:>whole$}{:rest$}  {}",
+                row.0, cell.0, cell.1, row.2
+            );
             writeln!(f, "{}", line.trim_end())?;
         }
         Ok(())
@@ -81,8 +93,13 @@ mod tests {
     #[test]
     fn points_line_up() {
         let mut table = Table::new();
-        table.row("peak force (CFC 60)", 312_345.6, "N").row("crush", 0.41257, "m").row("hits", 3.0, "");
-        table.row("section", 1.25e-7, "m²").row("no value", f64::NAN, "J");
+        table
+            .row("peak force (CFC 60)", 312_345.6, "N")
+            .row("crush", 0.41257, "m")
+            .row("hits", 3.0, "");
+        table
+            .row("section", 1.25e-7, "m²")
+            .row("no value", f64::NAN, "J");
         let expected = "\
 peak force (CFC 60)  312346         N
 crush                     0.4126    m
@@ -96,7 +113,12 @@ no value                NaN         J
 
     #[test]
     fn numbers_have_four_digits() {
-        for (value, text) in [(0.0, "0"), (-12.3456, "-12.35"), (9999.6, "10000"), (1.0e9, "1.000e9")] {
+        for (value, text) in [
+            (0.0, "0"),
+            (-12.3456, "-12.35"),
+            (9999.6, "10000"),
+            (1.0e9, "1.000e9"),
+        ] {
             assert_eq!(number(value), text);
         }
         assert_eq!(number(f64::NEG_INFINITY), "-inf");

@@ -59,10 +59,17 @@ fn the_nearer_triangle_hides_the_farther() {
 
 #[test]
 fn both_sides_are_lit_alike() {
-    let vertices = vec![Vector::new(-2.0, -2.0, 0.0), Vector::new(2.0, -2.0, 0.0), Vector::new(0.0, 3.0, 0.0)];
+    let vertices = vec![
+        Vector::new(-2.0, -2.0, 0.0),
+        Vector::new(2.0, -2.0, 0.0),
+        Vector::new(0.0, 3.0, 0.0),
+    ];
     let shots = [[0, 1, 2], [0, 2, 1]].map(|triangle| {
         let mut picture = Picture::new(30, 20);
-        picture.draw_mesh(&front(), &Mesh::new(vertices.clone(), vec![triangle], [0.8; 3]));
+        picture.draw_mesh(
+            &front(),
+            &Mesh::new(vertices.clone(), vec![triangle], [0.8; 3]),
+        );
         picture.pixel(15, 10).unwrap()
     });
     assert_eq!(shots[0], shots[1]);
@@ -75,14 +82,24 @@ fn what_is_not_finite_is_left_out() {
     mesh.vertices[0].x = f32::NAN;
     mesh.vertices[3].y = f32::INFINITY;
     mesh.triangles.push([0, 99, 7]);
-    mesh.colors.truncate(5);
+    mesh.colors.truncate(7);
     let mut picture = Picture::new(60, 40);
     for mesh in [mesh.clone(), mesh.clone().smooth()] {
         picture.draw_mesh(&front(), &mesh);
         picture.draw_outline(&front(), &mesh, [0.0; 3], 1.0);
-        picture.draw_ground(&front(), &Ground { origin: Vector::new(0.0, -1.0, 0.0), ..Default::default() }, &[&mesh]);
+        picture.draw_ground(
+            &front(),
+            &Ground {
+                origin: Vector::new(0.0, -1.0, 0.0),
+                ..Default::default()
+            },
+            &[&mesh],
+        );
     }
-    assert!(red(picture.pixel(33, 18).unwrap()), "the sound triangles are there");
+    assert!(
+        red(picture.pixel(33, 18).unwrap()),
+        "the sound triangles are there"
+    );
     let nowhere = Camera::new(Vector::splat(f32::NAN), Vector::ZERO);
     for camera in [nowhere, Camera::new(Vector::ONE, Vector::ONE)] {
         picture.draw_mesh(&camera, &mesh);
@@ -90,10 +107,21 @@ fn what_is_not_finite_is_left_out() {
     }
     // From within the box: everything is cut by the near plane.
     let inside = Camera::new(Vector::new(0.0, 0.0, 0.5), Vector::new(0.1, 0.2, -5.0));
-    picture.draw_mesh(&inside, &Mesh::cuboid(Vector::ONE, &Pose::IDENTITY, [0.5; 3]));
+    picture.draw_mesh(
+        &inside,
+        &Mesh::cuboid(Vector::ONE, &Pose::IDENTITY, [0.5; 3]),
+    );
     picture.draw_text([f32::NAN, 0.0], 12.0, [0.0; 3], "x");
-    picture.draw_text([-20.0, -5.0], 40.0, [0.0; 3], "cut off at every side of the picture");
-    let bar = ColorBar { max: f64::NAN, ..Default::default() };
+    picture.draw_text(
+        [-20.0, -5.0],
+        40.0,
+        [0.0; 3],
+        "cut off at every side of the picture",
+    );
+    let bar = ColorBar {
+        max: f64::NAN,
+        ..Default::default()
+    };
     picture.draw_color_bar(&bar);
 }
 
@@ -122,14 +150,18 @@ fn the_scale_darkens_all_the_way() {
         let [r, g, b] = colormap(t).map(|c| c.powf(2.2));
         0.2126 * r + 0.7152 * g + 0.0722 * b
     };
-    assert!(light(0.0) > 0.65 && light(1.0) < 0.02);
+    assert!(light(0.0) > 0.55 && light(1.0) < 0.02);
     assert!((0..100).all(|i| light(i as f32 / 100.0) > light((i + 1) as f32 / 100.0)));
 }
 
 #[test]
 fn a_framed_box_fills_the_picture_and_fits() {
     let (low, high) = (Vector::new(-3.0, 0.0, -1.0), Vector::new(2.0, 1.5, 1.0));
-    let mesh = Mesh::cuboid(0.5 * (high - low), &Pose::from_translation(0.5 * (low + high)), [0.2; 3]);
+    let mesh = Mesh::cuboid(
+        0.5 * (high - low),
+        &Pose::from_translation(0.5 * (low + high)),
+        [0.2; 3],
+    );
     assert_eq!(mesh.bounds(), Some((low, high)));
     for from in [Vector::X, Vector::Y, Vector::new(-1.0, 0.4, 2.0)] {
         let camera = Camera::framing(low, high, from, 1.5);
@@ -140,14 +172,14 @@ fn a_framed_box_fills_the_picture_and_fits() {
         assert!(!(0..60).any(|y| drawn(0, y) || drawn(89, y)));
         let columns = (0..90).filter(|x| (0..60).any(|y| drawn(*x, y))).count();
         let rows = (0..60).filter(|y| (0..90).any(|x| drawn(x, *y))).count();
-        assert!(columns > 65 || rows > 43, "{columns} {rows}");
+        assert!(columns > 76 || rows > 50, "{columns} {rows}");
     }
 }
 
 #[test]
 fn a_sheet_holds_its_pictures() {
     let mut dark = Picture::new(20, 10);
-    dark.fill([0.0, 0.0], [20.0, 10.0], |_, _| [0.0; 3]);
+    dark.fill([0.0, 0.0], [20.0, 10.0], 1.0, |_, _| [0.0; 3]);
     let sheet = contact_sheet(&[Picture::new(20, 10), dark, Picture::new(5, 5)], 2);
     assert_eq!((sheet.width(), sheet.height()), (46, 26));
     assert_eq!(sheet.pixel(27, 3), Some([0; 3]));
@@ -162,8 +194,17 @@ fn files_are_written_and_errors_name_them() {
     Picture::new(7, 5).save_png(&good).unwrap();
     let size = image::image_dimensions(&good).unwrap();
     assert_eq!(size, (7, 5));
-    let series = Series { name: "$a$".to_owned(), x: vec![0.0, 1.0], y: vec![0.0, f64::NAN], style: Stroke::Thin };
-    let plot = Plot { title: "t".to_owned(), series: vec![series], ..Default::default() };
+    let series = Series {
+        name: "$a$".to_owned(),
+        x: vec![0.0, 1.0],
+        y: vec![0.0, f64::NAN],
+        style: Stroke::Thin,
+    };
+    let plot = Plot {
+        title: "t".to_owned(),
+        series: vec![series],
+        ..Default::default()
+    };
     plot.save_png(&good).unwrap();
     assert_eq!(image::image_dimensions(&good).unwrap(), (1200, 750));
     Plot::default().save_png(&good).unwrap();
@@ -171,26 +212,54 @@ fn files_are_written_and_errors_name_them() {
     let bad = file("no-such-folder").join("x.png");
     let mut uneven = plot.clone();
     uneven.series[0].x.pop();
-    for error in [Picture::new(7, 5).save_png(&bad), plot.save_png(&bad), uneven.save_png(&bad)] {
+    for error in [
+        Picture::new(7, 5).save_png(&bad),
+        plot.save_png(&bad),
+        uneven.save_png(&bad),
+    ] {
         let error = error.unwrap_err();
         assert_eq!(error.path(), bad);
-        assert!(error.to_string().contains(&bad.display().to_string()), "{error}");
+        assert!(
+            error.to_string().contains(&bad.display().to_string()),
+            "{error}"
+        );
     }
 }
 
 #[test]
 fn ten_thousand_triangles_are_quick() {
     let n = 71_u32;
-    let place = |i: u32| Vector::new((i % n) as f32 / 35.0 - 1.0, (i / n) as f32 / 35.0 - 1.0, ((i * i) % 7) as f32 * 0.02);
+    let place = |i: u32| {
+        Vector::new(
+            (i % n) as f32 / 35.0 - 1.0,
+            (i / n) as f32 / 35.0 - 1.0,
+            ((i * i) % 7) as f32 * 0.02,
+        )
+    };
     let quad = |i: u32| [[i, i + 1, i + n + 1], [i, i + n + 1, i + n]];
-    let triangles = (0..n * (n - 1)).filter(|i| i % n + 1 < n).flat_map(quad).collect();
+    let triangles = (0..n * (n - 1))
+        .filter(|i| i % n + 1 < n)
+        .flat_map(quad)
+        .collect();
     let mesh = Mesh::new((0..n * n).map(place).collect(), triangles, [0.6; 3]).smooth();
     assert!(mesh.triangles.len() > 9_700);
-    let camera = Camera::framing(Vector::splat(-1.0), Vector::splat(1.0), Vector::new(0.3, 0.4, 1.0), 1.5);
+    let camera = Camera::framing(
+        Vector::splat(-1.0),
+        Vector::splat(1.0),
+        Vector::new(0.3, 0.4, 1.0),
+        1.5,
+    );
     let start = Instant::now();
     let mut picture = Picture::new(900, 600);
     picture.draw_mesh(&camera, &mesh);
-    picture.draw_ground(&camera, &Ground { origin: Vector::new(0.0, -1.0, 0.0), ..Default::default() }, &[&mesh]);
+    picture.draw_ground(
+        &camera,
+        &Ground {
+            origin: Vector::new(0.0, -1.0, 0.0),
+            ..Default::default()
+        },
+        &[&mesh],
+    );
     let seconds = start.elapsed().as_secs_f64();
     println!("{seconds:.3} s");
     // 0.1 s or so in release; the bound is for a debug build on a busy machine.

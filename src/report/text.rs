@@ -32,7 +32,11 @@ impl Picture {
     /// Width of a line of text \[pixels\].
     pub fn text_width(size: f32, text: &str) -> f32 {
         let units: f32 = text.chars().map(advance).sum();
-        let gap = if text.is_empty() { 0.0 } else { 1.8 - 2.0 * RADIUS };
+        let gap = if text.is_empty() {
+            0.0
+        } else {
+            1.8 - 2.0 * RADIUS
+        };
         (units - gap) * size / (6.0 + 2.0 * RADIUS)
     }
 
@@ -45,9 +49,15 @@ impl Picture {
         };
         let radius = RADIUS.max(0.6 / unit);
         for y in span(at[1] - 1.0, at[1] + 9.0, rows) {
-            for x in span(at[0] - 1.0, at[0] + 5.0, columns) {
-                let p = [(x as f32 + 0.5) / unit - at[0], (y as f32 + 0.5) / unit - at[1]];
-                let nearest = lines.iter().map(|l| distance(p, l)).fold(f32::INFINITY, f32::min);
+            for x in span(at[0] - 1.0, at[0] + 7.0, columns) {
+                let p = [
+                    (x as f32 + 0.5) / unit - at[0],
+                    (y as f32 + 0.5) / unit - at[1],
+                ];
+                let nearest = lines
+                    .iter()
+                    .map(|l| distance(p, l))
+                    .fold(f32::INFINITY, f32::min);
                 self.blend([x, y], color, (radius - nearest) * unit + 0.5);
             }
         }
@@ -56,7 +66,11 @@ impl Picture {
 
 /// How far the next character starts, in grid units.
 fn advance(c: char) -> f32 {
-    let width = segments(c).iter().flatten().map(|p| p[0]).fold(0.0, f32::max);
+    let width = segments(c)
+        .iter()
+        .flatten()
+        .map(|p| p[0])
+        .fold(0.0, f32::max);
     if c == ' ' { 2.8 } else { width + 1.8 }
 }
 
@@ -78,6 +92,10 @@ fn distance(p: Point, [a, b]: &[Point; 2]) -> f32 {
     let [dx, dy] = [b[0] - a[0], b[1] - a[1]];
     let [px, py] = [p[0] - a[0], p[1] - a[1]];
     let square = dx * dx + dy * dy;
-    let t = if square > 0.0 { ((px * dx + py * dy) / square).clamp(0.0, 1.0) } else { 0.0 };
+    let t = if square > 0.0 {
+        ((px * dx + py * dy) / square).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
     (px - t * dx).hypot(py - t * dy)
 }
