@@ -12,3 +12,6 @@ pub mod resample;
 pub use csv::{CsvError, write_csv};
 pub use filter::{Cfc, Coefficients, FilterError};
 pub use resample::{ResampleError, Resampled, resample};
+
+#[cfg(test)]
+mod tests;

@@ -26,7 +26,7 @@ impl Picture {
     /// The colour of an empty picture (display RGB).
     pub const BACKGROUND: [f32; 3] = [0.957, 0.965, 0.973];
 
-    /// An empty picture of at least one pixel, 900 × 600 for a document.
+    /// An empty picture of at least one pixel, 900 × 600 for a document. It takes 28 bytes of memory per pixel.
     pub fn new(width: u32, height: u32) -> Self {
         let [width, height] = [width, height].map(|n| n.max(1) as usize);
         let samples = width * height * FINE * FINE;

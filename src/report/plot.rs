@@ -36,7 +36,7 @@ pub enum Stroke {
     Bold,
 }
 
-/// One curve. Points whose x or y is not finite are gaps in it.
+/// One curve. Points whose x or y is not finite are gaps in it; a point alone is not seen.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Series {
     /// Its name in the legend; empty: not in the legend.
@@ -105,7 +105,7 @@ impl Plot {
                     let curve = LinePlot::new()
                         .with_data(line)
                         .with_color(color(i, style))
-                        .with_stroke_width(if style == Stroke::Thin { 0.8 } else { 2.4 });
+                        .with_stroke_width(if style == Stroke::Thin { 0.8 } else { 3.0 });
                     curves.push(plots::Plot::Line(curve));
                 }
             }

@@ -117,3 +117,48 @@ fn clip(corners: &[Corner; 3], near: Real) -> Vec<Corner> {
     }
     polygon
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ten_thousand_triangles_are_quick() {
+        let n = 71_u32;
+        let place = |i: u32| {
+            Vector::new(
+                (i % n) as f32 / 35.0 - 1.0,
+                (i / n) as f32 / 35.0 - 1.0,
+                ((i * i) % 7) as f32 * 0.02,
+            )
+        };
+        let quad = |i: u32| [[i, i + 1, i + n + 1], [i, i + n + 1, i + n]];
+        let triangles = (0..n * (n - 1))
+            .filter(|i| i % n + 1 < n)
+            .flat_map(quad)
+            .collect();
+        let mesh = Mesh::new((0..n * n).map(place).collect(), triangles, [0.6; 3]).smooth();
+        assert!(mesh.triangles.len() > 9_700);
+        let camera = Camera::framing(
+            Vector::splat(-1.0),
+            Vector::splat(1.0),
+            Vector::new(0.3, 0.4, 1.0),
+            1.5,
+        );
+        let start = std::time::Instant::now();
+        let mut picture = Picture::new(900, 600);
+        picture.draw_mesh(&camera, &mesh);
+        picture.draw_ground(
+            &camera,
+            &super::super::Ground {
+                origin: Vector::new(0.0, -1.0, 0.0),
+                ..Default::default()
+            },
+            &[&mesh],
+        );
+        let seconds = start.elapsed().as_secs_f64();
+        println!("{seconds:.3} s");
+        // 0.1 s or so in release; the bound is for a debug build on a busy machine.
+        assert!(seconds < 5.0, "{seconds} s");
+    }
+}
