@@ -29,12 +29,16 @@ pub enum Cfc {
 
 /// The recursion y\[n\] = a0·x\[n\] + a1·x\[n−1\] + a2·x\[n−2\] + b1·y\[n−1\] + b2·y\[n−2\]; no unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(missing_docs)]
 pub struct Coefficients {
+    /// Of this sample.
     pub a0: f64,
+    /// Of the sample before.
     pub a1: f64,
+    /// Of the sample before that.
     pub a2: f64,
+    /// Of the result before.
     pub b1: f64,
+    /// Of the result before that.
     pub b2: f64,
 }
 
