@@ -11,6 +11,9 @@ pub mod coupling;
 pub mod import;
 pub mod law;
 pub mod math;
+pub mod record;
+#[cfg(feature = "report")]
+pub mod report;
 pub mod solve;
 pub mod world;
 
