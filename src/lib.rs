@@ -23,7 +23,7 @@ pub use body::shape;
 /// Everything a scene needs. Clashes with nothing in Rapier's own prelude.
 pub mod prelude {
     pub use crate::body::{BuildError, Material, Net, NodeId, Spring, SpringId};
-    pub use crate::shape;
+    pub use crate::shape::{filled, lattice, rope, sheet};
     pub use crate::solve::Integrator;
     pub use crate::world::{
         AttachmentHandle, Deformable, DeformableBuilder, DeformableHandle, DeformableParameters,

@@ -1,7 +1,7 @@
 //! The solver of one body: its spring table, forces from outside, scratch of a substep, and sums of work.
 //!
 //! It advances a [`State`] that it does not own. A substep has three parts: [`Solver::predict`] moves the body freely,
-//! rows may then change velocities through [`Solver::kick`], and [`Solver::finish`] completes schemes that evaluate the
+//! rows may then change velocities through `kick`, and [`Solver::finish`] completes schemes that evaluate the
 //! force at the new position.
 
 use super::external::{External, ForceField};

@@ -19,7 +19,7 @@ type Region = Arc<dyn Fn(Vector) -> bool + Send + Sync>;
 /// ```
 /// use crumple::prelude::*;
 /// use crumple::rapier3d::prelude::*;
-/// let net = shape::lattice(Vector::new(1.0, 0.5, 0.5), 0.1)?;
+/// let net = lattice(Vector::new(1.0, 0.5, 0.5), 0.1)?;
 /// let body = DeformableBuilder::new(net)
 ///     .material(Material::rubber())
 ///     .translation(Vector::new(0.0, 2.0, 0.0))

@@ -47,7 +47,7 @@ pub struct AttachmentHandle(pub(crate) Index);
 /// world.insert(RigidBodyBuilder::fixed(), ColliderBuilder::cuboid(5.0, 0.1, 5.0));
 /// let mut deformables = DeformableWorld::default();
 /// let block = deformables.insert(
-///     DeformableBuilder::new(shape::lattice(Vector::splat(0.4), 0.1))
+///     DeformableBuilder::new(lattice(Vector::splat(0.4), 0.1))
 ///         .material(Material::rubber())
 ///         .translation(Vector::new(0.0, 0.4, 0.0)),
 /// )?;
