@@ -8,8 +8,6 @@ use crate::math::DVec3;
 pub struct BodyMemory {
     /// Response ratio ρ in [0, 1]: 1 for a body that answers like a free one. `None` until first guessed.
     pub response: Option<f64>,
-    /// Whether the body was held by a joint or a rigid contact in the last step.
-    pub constrained: bool,
     /// Moving average of the impulse per second it receives \[N\].
     pub load: DVec3,
     /// How long it has been asleep \[s\].
@@ -28,7 +26,6 @@ impl Default for BodyMemory {
     fn default() -> Self {
         Self {
             response: None,
-            constrained: false,
             load: DVec3::ZERO,
             asleep: 0.0,
             baseline: None,

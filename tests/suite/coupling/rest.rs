@@ -85,7 +85,6 @@ fn light_box_rests_on_a_block() {
             cuboid([0.12; 3], 1.0),
         );
         let watch = Watch::run(&mut world, &mut deformables, body, 240);
-        eprintln!("light {mode:?} h {} asleep {:?} woke {} jitter {} tilt {}", watch.height(), watch.asleep_at, watch.woke_again, watch.jitter(60), watch.tilt);
         watch.assert_asleep(mode);
         assert!(watch.tilt < 0.01, "{mode:?}: tilt {}", watch.tilt);
         heights.push(watch.height());
@@ -108,10 +107,11 @@ fn heavy_box_on_a_light_block() {
             cuboid([0.15; 3], 100.0),
         );
         let watch = Watch::run(&mut world, &mut deformables, body, 240);
-        eprintln!("heavy {mode:?} h {} jitter60 {} tilt {} first-second range {}", watch.height(), watch.jitter(60), watch.tilt, {
-            let head=&watch.heights[0..60]; head.iter().copied().fold(f32::MIN, f32::max)-head.iter().copied().fold(f32::MAX, f32::min)});
         let highest = watch.heights.iter().copied().fold(f32::MIN, f32::max);
-        assert!(highest < 0.5605, "{mode:?}: rose to {highest} m, let go at .56 m");
+        assert!(
+            highest < 0.5605,
+            "{mode:?}: rose to {highest} m, let go at .56 m"
+        );
         assert!(watch.tilt < 0.05, "{mode:?}: tilt {}", watch.tilt);
         ranges.push((watch.height(), f64::from(watch.jitter(60))));
     }
@@ -139,7 +139,6 @@ fn stack_of_rigid_and_soft() {
                 .0;
         }
         let watch = Watch::run(&mut world, &mut deformables, top, 360);
-        eprintln!("stack {mode:?} h {} asleep {:?} woke {} jitter {} tilt {}", watch.height(), watch.asleep_at, watch.woke_again, watch.jitter(60), watch.tilt);
         watch.assert_asleep(mode);
         heights.push(watch.height());
     }
@@ -161,8 +160,11 @@ fn light_box_under_a_block() {
             cuboid([0.12, 0.05, 0.12], 0.5),
         );
         let watch = Watch::run(&mut world, &mut deformables, body, 240);
-        eprintln!("squeeze {mode:?} h {} asleep {:?} woke {} jitter {} tilt {}", watch.height(), watch.asleep_at, watch.woke_again, watch.jitter(60), watch.tilt);
-        assert!(watch.jitter(60) <= 2e-4, "{mode:?}: jitter {} m", watch.jitter(60));
+        assert!(
+            watch.jitter(60) <= 2e-4,
+            "{mode:?}: jitter {} m",
+            watch.jitter(60)
+        );
         heights.push(watch.height());
     }
     close("height [m]", heights[0], heights[1], 0.03);
@@ -188,12 +190,12 @@ fn ride_on_a_platform() {
             let x = 0.5 * (1.0 - ((t - 0.5).max(0.0) * std::f32::consts::FRAC_PI_2).cos());
             world.bodies[platform].set_next_kinematic_translation(Vector::new(x, -0.1, 0.0));
             deformables.step(&mut world);
-            let relative = deformables[rider].center_of_mass().x - f64::from(world.bodies[platform].translation().x);
+            let relative = deformables[rider].center_of_mass().x
+                - f64::from(world.bodies[platform].translation().x);
             if t >= 0.5 {
                 slip = slip.max((relative - *start.get_or_insert(relative)).abs());
             }
         }
-        eprintln!("ride {mode:?} slip {slip}");
         assert!(slip <= 0.015, "{mode:?}: slip {slip} m, at most 15 mm");
     }
 }
