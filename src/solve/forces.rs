@@ -9,14 +9,15 @@ use crate::body::state::{Particle, State};
 use crate::law::{plastic, spring};
 use crate::math::Scalar;
 
+/// Four lanes, of which the last one carries nothing: what a vector register holds of a node.
+pub(crate) type Lanes<S> = [S; 4];
+
 /// Forces on one node \[N\].
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(32))]
 pub(crate) struct Force<S> {
-    pub elastic: [S; 3],
-    pub pad: S,
-    pub damping: [S; 3],
-    pub pad2: S,
+    pub elastic: Lanes<S>,
+    pub damping: Lanes<S>,
 }
 
 /// What happened in a pass.
@@ -56,25 +57,55 @@ pub(crate) fn add_spring_forces<S: Scalar>(
     }
 }
 
-#[inline(always)]
-fn sub<S: Scalar>(a: [S; 3], b: [S; 3]) -> [S; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-/// Scalar product.
+/// Scalar product of three components.
 #[inline(always)]
 pub(crate) fn dot<S: Scalar>(a: [S; 3], b: [S; 3]) -> S {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Direction from `a` to `b`, and their distance. Coincident nodes have no direction and get no force.
 #[inline(always)]
-pub(crate) fn axis<S: Scalar>(a: &Particle<S>, b: &Particle<S>) -> ([S; 3], S) {
-    let d = sub(b.x, a.x);
-    let squared = dot(d, d);
-    let length = squared.sqrt();
-    let inverse = S::ONE / squared.max(S::of(1e-30)).sqrt();
-    ([d[0] * inverse, d[1] * inverse, d[2] * inverse], length)
+fn dot_lanes<S: Scalar>(a: Lanes<S>, b: Lanes<S>) -> S {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The lanes that mean something.
+#[inline(always)]
+pub(crate) fn three<S: Scalar>(a: Lanes<S>) -> [S; 3] {
+    [a[0], a[1], a[2]]
+}
+
+#[inline(always)]
+fn sub<S: Scalar>(a: Lanes<S>, b: Lanes<S>) -> Lanes<S> {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3]]
+}
+
+#[inline(always)]
+fn scale<S: Scalar>(a: Lanes<S>, by: S) -> Lanes<S> {
+    [a[0] * by, a[1] * by, a[2] * by, a[3] * by]
+}
+
+#[inline(always)]
+fn add_to<S: Scalar>(sum: &mut Lanes<S>, a: Lanes<S>) {
+    *sum = [sum[0] + a[0], sum[1] + a[1], sum[2] + a[2], sum[3] + a[3]];
+}
+
+#[inline(always)]
+fn position<S: Scalar>(p: &Particle<S>) -> Lanes<S> {
+    [p.x[0], p.x[1], p.x[2], p.inv_mass]
+}
+
+#[inline(always)]
+fn velocity<S: Scalar>(p: &Particle<S>) -> Lanes<S> {
+    [p.v[0], p.v[1], p.v[2], p.pad]
+}
+
+/// Direction from `a` to `b` (the fourth lane means nothing), and their distance. Coincident nodes have no direction and
+/// get no force.
+#[inline(always)]
+pub(crate) fn axis<S: Scalar>(a: &Particle<S>, b: &Particle<S>) -> (Lanes<S>, S) {
+    let d = sub(position(b), position(a));
+    let length = dot_lanes(d, d).max(S::of(1e-30)).sqrt();
+    (scale(d, S::ONE / length), length)
 }
 
 fn pass<S: Scalar, const LIMITED: bool, const COMMIT: bool, const DAMPED: bool>(
@@ -125,19 +156,16 @@ fn pass<S: Scalar, const LIMITED: bool, const COMMIT: bool, const DAMPED: bool>(
                 }
             }
         }
-        let pull = [n[0] * tension, n[1] * tension, n[2] * tension];
+        let pull = scale(n, tension);
         if DAMPED {
-            let viscous = spring::damping(link.damping, dot(sub(b.v, a.v), n));
-            let drag = [n[0] * viscous, n[1] * viscous, n[2] * viscous];
-            for k in 0..3 {
-                forces[ia].damping[k] += drag[k];
-                forces[ib].damping[k] -= drag[k];
-            }
+            let rate = dot_lanes(sub(velocity(b), velocity(a)), n);
+            let viscous = scale(n, spring::damping(link.damping, rate));
+            let negative = scale(viscous, -S::ONE);
+            add_to(&mut forces[ia].damping, viscous);
+            add_to(&mut forces[ib].damping, negative);
         }
-        for k in 0..3 {
-            forces[ia].elastic[k] += pull[k];
-            forces[ib].elastic[k] -= pull[k];
-        }
+        add_to(&mut forces[ia].elastic, pull);
+        add_to(&mut forces[ib].elastic, scale(pull, -S::ONE));
     }
     happened.plastic = plastic_work.f64();
     happened

@@ -5,7 +5,7 @@
 //! force at the new position.
 
 use super::external::{External, ForceField};
-use super::forces::{Force, LimitEvent, add_spring_forces, dot};
+use super::forces::{Force, LimitEvent, add_spring_forces, dot, three};
 use super::integrate::Integrator;
 use super::springs::SpringTable;
 use super::work::Work;
@@ -106,7 +106,7 @@ impl<S: Scalar> Solver<S> {
         }
         state.displace(node, [dv[0] * step, dv[1] * step, dv[2] * step]);
         if integrator == Integrator::SymplecticEuler {
-            self.work.damping -= 0.5 * h * dot(self.forces[node].damping, dv).f64();
+            self.work.damping -= 0.5 * h * dot(three(self.forces[node].damping), dv).f64();
             if let Some(applied) = self.applied.get(node) {
                 self.work.external += 0.5 * h * dot(*applied, dv).f64();
             }

@@ -174,9 +174,11 @@ impl DeformableWorld {
             touching: 1e-5 * unit,
             length_unit: unit,
         };
-        // The stable substep changes as bodies crumple, so a long rigid step is looked at anew in stretches.
-        let stretches =
-            ((dt / self.params.review_interval.max(1e-6) - 1e-6).ceil() as usize).max(1);
+        // The stable substep changes as bodies crumple, so a long rigid step is looked at anew in stretches, unless it is
+        // a matter of a few substeps anyway.
+        let reviews = (dt / self.params.review_interval.max(1e-6) - 1e-6).ceil() as usize;
+        let worthwhile = self.group_substeps(group, dt, frame) / 8;
+        let stretches = reviews.min(worthwhile).max(1);
         let stretch = dt / stretches as f64;
         let mut time = self.time;
         let mut parity = self.parity;

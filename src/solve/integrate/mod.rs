@@ -11,7 +11,7 @@ mod symplectic_euler;
 mod velocity_verlet;
 
 use super::external::ForceField;
-use super::forces::{Force, dot};
+use super::forces::{Force, dot, three};
 use super::solver::Solver;
 use crate::body::state::{Particle, State};
 use crate::law::stable;
@@ -145,12 +145,12 @@ impl<S: Scalar> Sums<S> {
     /// Books the work of a node's forces over the displacement `along` \[m\], and the holder's where it is pinned.
     #[inline(always)]
     fn book(&mut self, p: &Particle<S>, f: &Force<S>, applied: [S; 3], along: [S; 3]) {
-        let damping = dot(f.damping, along);
+        let damping = dot(three(f.damping), along);
         let outside = dot(applied, along);
         self.damping -= damping;
         self.external += outside;
         if p.inv_mass == S::ZERO {
-            self.external -= dot(f.elastic, along) + damping + outside;
+            self.external -= dot(three(f.elastic), along) + damping + outside;
         }
     }
 
