@@ -174,19 +174,17 @@ impl DeformableWorld {
             touching: 1e-5 * unit,
             length_unit: unit,
         };
-        // The stable substep changes as bodies crumple, so a long rigid step is looked at anew in stretches, unless it is
-        // a matter of a few substeps anyway.
-        let reviews = (dt / self.params.review_interval.max(1e-6) - 1e-6).ceil() as usize;
-        let worthwhile = self.group_substeps(group, dt, frame) / 8;
-        let stretches = reviews.min(worthwhile).max(1);
-        let stretch = dt / stretches as f64;
-        let mut time = self.time;
-        let mut parity = self.parity;
-        for _ in 0..stretches {
-            let n = self.group_substeps(group, stretch, frame);
+        let (mut time, mut parity) = (self.time, self.parity);
+        let mut left = dt;
+        while left > 0.0 {
+            // The stable substep changes as bodies crumple, so a long rigid step is looked at anew now and then, unless
+            // what is left is a matter of a few substeps.
+            let needed = self.group_substeps(group, left, frame);
+            let reviews = (left / self.params.review_interval.max(1e-6) - 1e-6).ceil() as usize;
+            let n = needed.div_ceil(reviews.min(needed / 8).max(1));
             Self::report_group(&mut self.report, group, n);
+            let h = left / needed as f64;
             for _ in 0..n {
-                let h = stretch / n as f64;
                 time += h;
                 parity = !parity;
                 if !group.substep(h, time, parity, &settings, observer) {
@@ -194,6 +192,7 @@ impl DeformableWorld {
                     return false;
                 }
             }
+            left = if n < needed { left - n as f64 * h } else { 0.0 };
         }
         parity != self.parity
     }
