@@ -7,7 +7,7 @@ use crumple::body::State;
 use crumple::prelude::*;
 use crumple::report::{Plot, Series, Stroke};
 use crumple::solve::Solver;
-use std::path::PathBuf;
+use std::path::Path;
 
 const MASS: f64 = 1.0;
 const STIFFNESS: f64 = 100.0;
@@ -53,13 +53,16 @@ fn curve(name: &str, (x, y): (Vec<f64>, Vec<f64>), style: Stroke) -> Series {
     }
 }
 
-pub fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let folder = PathBuf::from(
-        std::env::args()
-            .nth(1)
-            .unwrap_or_else(|| "out/integrators".into()),
-    );
-    std::fs::create_dir_all(&folder)?;
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let folder = std::env::args()
+        .nth(1)
+        .unwrap_or_else(|| "out/integrators".into());
+    draw(Path::new(&folder))
+}
+
+/// Draws both pictures into a folder and checks what they show.
+pub fn draw(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
+    std::fs::create_dir_all(folder)?;
 
     let fine: Vec<f64> = (0..=2000).map(|i| f64::from(i) * 1e-3).collect();
     let truth = fine.iter().map(|&t| exact(t)).collect();
