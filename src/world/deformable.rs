@@ -641,6 +641,7 @@ impl Deformable {
                 .iter()
                 .map(|(kept, once)| (*kept + *once).to_array()),
         );
+        self.solver.speed_squared = self.max_speed_squared();
         for &(node, target) in &self.led {
             let v = (target - self.state.position(node as usize)) / remaining;
             self.state.set_velocity(node as usize, v);

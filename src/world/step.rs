@@ -194,6 +194,10 @@ impl DeformableWorld {
             }
             left = if n < needed { left - n as f64 * h } else { 0.0 };
         }
+        // What rows did in the last substep, no integration pass has seen yet.
+        if !group.freeze_non_finite() {
+            self.freeze(group);
+        }
         parity != self.parity
     }
 

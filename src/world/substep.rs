@@ -143,9 +143,7 @@ impl Group {
             let speed = f64::from(body.solver.speed_squared).sqrt();
             for c in candidates.iter_mut() {
                 let shadow = &self.shadows[c.target.shadow as usize];
-                let target_speed = shadow.v.length()
-                    + shadow.w.length() * (c.target.offset.length() + 4.0 * s.length_unit);
-                let moved = h * (speed + target_speed);
+                let moved = h * (speed + c.target.speed(shadow));
                 c.refresh(&body.state, shadow, moved, s.margin);
                 let slack = h * s.length_unit;
                 let reach = Reach {
@@ -248,6 +246,19 @@ impl Group {
         }
     }
 
+    /// Freezes bodies whose state is not finite any more; `false` if there are any.
+    pub fn freeze_non_finite(&mut self) -> bool {
+        let mut sound = true;
+        for (_, body) in &mut self.members {
+            if !body.state.is_finite() {
+                body.freeze();
+                sound = false;
+            }
+        }
+        sound
+    }
+
+    /// The same by the speeds that the integration pass has seen, which costs nothing.
     fn freeze_broken(&mut self) -> bool {
         let mut sound = true;
         for (_, body) in &mut self.members {
