@@ -641,11 +641,11 @@ impl Deformable {
                 .iter()
                 .map(|(kept, once)| (*kept + *once).to_array()),
         );
-        self.solver.speed_squared = self.max_speed_squared();
         for &(node, target) in &self.led {
             let v = (target - self.state.position(node as usize)) / remaining;
             self.state.set_velocity(node as usize, v);
         }
+        self.solver.speed_squared = self.max_speed_squared();
     }
 
     /// Ends a step of the world: led nodes stand at their targets, one-step forces are gone.
