@@ -116,56 +116,63 @@ fn pass<S: Scalar, const LIMITED: bool, const COMMIT: bool, const DAMPED: bool>(
 ) -> Happened {
     let mut happened = Happened::default();
     let mut plastic_work = S::ZERO;
+    let old_events = events.len();
     let particles = &state.particles[..];
-    let springs = table.links.len();
-    let rest = &mut state.rest[..springs];
-    let flows = &mut state.flow[..springs];
-    for i in 0..springs {
-        let link = table.links[i];
+    let links = &table.links[..];
+    let rest = &mut state.rest[..links.len()];
+    let flows = &mut state.flow[..links.len()];
+    let limits = &table.limits[..if LIMITED { links.len() } else { 0 }];
+    for (i, link) in links.iter().enumerate() {
         let (ia, ib) = (link.a as usize, link.b as usize);
         let (a, b) = (&particles[ia], &particles[ib]);
         let (n, length) = axis(a, b);
         let elongation = length - rest[i];
         let mut tension = spring::tension(link.stiffness, elongation);
+        let mut viscosity = link.damping;
         if LIMITED {
-            let limit = &table.limits[i];
+            let limit = &limits[i];
             let mapped = plastic::return_map(link.stiffness, elongation, flows[i], &limit.yields);
             tension = mapped.tension;
             if COMMIT {
                 let moved = mapped.flow.abs();
-                let event = |broke, energy| LimitEvent {
-                    spring: i as u32,
-                    broke,
-                    tension,
-                    energy,
-                };
-                if flows[i] == S::ZERO && moved > S::ZERO {
-                    let energy = spring::energy(link.stiffness, elongation - mapped.flow);
-                    events.push(event(false, energy));
-                }
+                let old = flows[i];
                 plastic_work += tension.abs() * moved;
                 rest[i] += mapped.flow;
-                flows[i] += moved;
-                if tension > limit.break_force || length > limit.break_length {
-                    let energy = spring::energy(link.stiffness, length - rest[i]);
-                    events.push(event(true, energy));
-                    happened.fracture += energy.f64();
-                    state.broken[i] = true;
-                    table.cut(i);
-                    continue;
+                flows[i] = old + moved;
+                let begins = (old == S::ZERO) & (moved > S::ZERO);
+                let breaks = (tension > limit.break_force) | (length > limit.break_length);
+                if begins | breaks {
+                    let energy = spring::energy(link.stiffness, elongation - mapped.flow);
+                    let event = |broke| LimitEvent {
+                        spring: i as u32,
+                        broke,
+                        tension,
+                        energy,
+                    };
+                    if begins {
+                        events.push(event(false));
+                    }
+                    if breaks {
+                        events.push(event(true));
+                        happened.fracture += energy.f64();
+                        (tension, viscosity) = (S::ZERO, S::ZERO);
+                    }
                 }
             }
         }
         let pull = scale(n, tension);
         if DAMPED {
             let rate = dot_lanes(sub(velocity(b), velocity(a)), n);
-            let viscous = scale(n, spring::damping(link.damping, rate));
-            let negative = scale(viscous, -S::ONE);
+            let viscous = scale(n, spring::damping(viscosity, rate));
             add_to(&mut forces[ia].damping, viscous);
-            add_to(&mut forces[ib].damping, negative);
+            add_to(&mut forces[ib].damping, scale(viscous, -S::ONE));
         }
         add_to(&mut forces[ia].elastic, pull);
         add_to(&mut forces[ib].elastic, scale(pull, -S::ONE));
+    }
+    for event in events[old_events..].iter().filter(|e| e.broke) {
+        state.broken[event.spring as usize] = true;
+        table.cut(event.spring as usize);
     }
     happened.plastic = plastic_work.f64();
     happened
