@@ -24,12 +24,18 @@ fn v06_frequencies_of_a_chain() {
             let nodes = (0..12).map(|i| {
                 let held = i == 0 || i == 11;
                 let v = if held { 0.0 } else { shape(i) as f32 };
-                ([i as f32, 0.0, 0.0], [v, 0.0, 0.0], if held { 0.0 } else { 10.0 })
+                (
+                    [i as f32, 0.0, 0.0],
+                    [v, 0.0, 0.0],
+                    if held { 0.0 } else { 10.0 },
+                )
             });
             let mut state = State::<f32>::new(nodes, [1.0; 11]);
             let mut solver = Solver::new(&springs, &state);
             let q = |state: &State<f32>| -> f64 {
-                (1..11).map(|i| shape(i) * (state.local(i).x - i as f64)).sum()
+                (1..11)
+                    .map(|i| shape(i) * (state.local(i).x - i as f64))
+                    .sum()
             };
             let (mut last, mut crossings) = (0.0, Vec::new());
             for step in 1..=6000 {
@@ -48,7 +54,12 @@ fn v06_frequencies_of_a_chain() {
                 _ => (PI * measured * h).sin() / (PI * h),
             };
             let expected = 100.0 / PI * (f64::from(j) * PI / 22.0).sin();
-            close(&format!("{}: f_{j} [Hz]", integrator.name()), own, expected, 1e-3);
+            close(
+                &format!("{}: f_{j} [Hz]", integrator.name()),
+                own,
+                expected,
+                1e-3,
+            );
         }
     }
 }
@@ -71,7 +82,11 @@ fn v08_hanging_chain() {
     let y = |i: u32| body.position(NodeId(i)).unwrap().y;
     let total = 0.053955;
     for j in 1..=10_u32 {
-        let rest = f64::from(body.blueprint().springs[j as usize - 1].rest_length.unwrap());
+        let rest = f64::from(
+            body.blueprint().springs[j as usize - 1]
+                .rest_length
+                .unwrap(),
+        );
         let stretch = y(j - 1) - y(j) - rest;
         let expected = f64::from(11 - j) * 0.1 * 9.81 / 1000.0;
         assert!(
@@ -91,7 +106,11 @@ fn v08_catenary() {
             let s = i as f32 / n as f32 * 10.0;
             let down = 0.6 * s.min(10.0 - s);
             let node = Node::new(Vector::new(0.8 * s - 4.0, -down, 0.0), 0.1);
-            if i == 0 || i == n { node.pinned() } else { node }
+            if i == 0 || i == n {
+                node.pinned()
+            } else {
+                node
+            }
         })
         .collect();
     let springs = (0..n)
@@ -140,7 +159,10 @@ fn v09_pulse_in_a_bar() {
         deformables.step(&mut world);
         // The velocity of symplectic Euler stands half a substep back.
         let t = (f64::from(step) - 0.5) * dt;
-        speed.push((t, deformables[handle].linvel_of(NodeId(n as u32)).unwrap().x));
+        speed.push((
+            t,
+            deformables[handle].linvel_of(NodeId(n as u32)).unwrap().x,
+        ));
     }
     let top = (1..speed.len() - 1)
         .max_by(|&a, &b| speed[a].1.total_cmp(&speed[b].1))
@@ -151,5 +173,8 @@ fn v09_pulse_in_a_bar() {
     let peak = b - 0.25 * (a - d) * offset;
     println!("V09 arrival {arrival} peak {peak}");
     close("arrival of the peak [s]", arrival, 1.0 / c, 0.005);
-    assert!((peak - 2.0).abs() <= 0.05, "free end: {peak} times the pulse, expected 2 ± .05");
+    assert!(
+        (peak - 2.0).abs() <= 0.05,
+        "free end: {peak} times the pulse, expected 2 ± .05"
+    );
 }

@@ -19,7 +19,10 @@ impl<S: Scalar> Oscillator<S> {
         let spring = Spring::new(0, 1, 100.0).damping(damping).rest_length(rest);
         let zero = [S::ZERO; 3];
         let at = [S::of(f64::from(rest) + x0), S::ZERO, S::ZERO];
-        let state = State::new([(zero, zero, S::ZERO), (at, zero, S::ONE)], [S::of(rest.into())]);
+        let state = State::new(
+            [(zero, zero, S::ZERO), (at, zero, S::ONE)],
+            [S::of(rest.into())],
+        );
         Self {
             solver: Solver::new(&[spring], &state),
             state,
@@ -63,7 +66,12 @@ fn v01_explicit_euler_grows_as_it_must() {
         let before = amplitude(o.now());
         o.run(Integrator::ExplicitEuler, h, 100);
         let growth = (amplitude(o.now()) / before).powf(0.01);
-        close(&format!("growth per step at c = {c}, h = {h}"), growth, expected, 1e-6);
+        close(
+            &format!("growth per step at c = {c}, h = {h}"),
+            growth,
+            expected,
+            1e-6,
+        );
     }
 }
 
@@ -90,7 +98,12 @@ fn v02_orders_of_the_schemes() {
         (Integrator::Rk4, 4.95e-6, 4.0, 0.1),
     ] {
         let name = integrator.name();
-        close(&format!("{name}: error at h = .01"), error(integrator, 0.01), expected, 0.03);
+        close(
+            &format!("{name}: error at h = .01"),
+            error(integrator, 0.01),
+            expected,
+            0.03,
+        );
         let measured = (error(integrator, 1e-3) / error(integrator, 5e-4)).log2();
         assert!(
             (measured - order).abs() <= order_tolerance,
@@ -113,8 +126,18 @@ fn v03_energy_of_the_undamped_oscillator() {
             .collect();
         energies
     };
-    close("midpoint: E/E0", *run(Integrator::Midpoint).last().unwrap(), 12.18, 1e-3);
-    close("RK4: E/E0", *run(Integrator::Rk4).last().unwrap(), 0.99861, 1e-3);
+    close(
+        "midpoint: E/E0",
+        *run(Integrator::Midpoint).last().unwrap(),
+        12.18,
+        1e-3,
+    );
+    close(
+        "RK4: E/E0",
+        *run(Integrator::Rk4).last().unwrap(),
+        0.99861,
+        1e-3,
+    );
     for (integrator, least, most) in [
         (Integrator::VelocityVerlet, 0.9975, 1.0),
         (Integrator::SymplecticEuler, 0.952381, 1.052632),
@@ -143,7 +166,12 @@ fn v03_explicit_euler_explodes() {
     let mut o = Oscillator::<f64>::new(0.0, 1e4, 1.0);
     let initial = o.energy();
     o.run(Integrator::ExplicitEuler, 0.01, 1000);
-    close("explicit Euler: E/E0 after 1000 steps", o.energy() / initial, 1.01_f64.powi(1000), 1e-3);
+    close(
+        "explicit Euler: E/E0 after 1000 steps",
+        o.energy() / initial,
+        1.01_f64.powi(1000),
+        1e-3,
+    );
     assert!(o.energy() / initial > 100.0);
 }
 
@@ -192,7 +220,10 @@ fn v03_an_explosion_is_frozen() {
         }
     }
     let body = &deformables[handle];
-    assert!(frozen_at.is_some() && body.is_frozen(), "frozen at {frozen_at:?}");
+    assert!(
+        frozen_at.is_some() && body.is_frozen(),
+        "frozen at {frozen_at:?}"
+    );
     for node in 0..2 {
         assert!(body.position(NodeId(node)).unwrap().is_finite());
         assert_eq!(body.linvel_of(NodeId(node)), Some(DVec3::ZERO));
@@ -229,7 +260,10 @@ fn v04_momentum_of_a_spinning_cube() {
             )
             .unwrap();
         let about_com = |d: &Deformable| d.angular_momentum(d.center_of_mass());
-        let (p, l) = (deformables[handle].momentum(), about_com(&deformables[handle]));
+        let (p, l) = (
+            deformables[handle].momentum(),
+            about_com(&deformables[handle]),
+        );
         let (mut worst_p, mut worst_l) = (0.0_f64, 0.0_f64);
         for _ in 0..2000 {
             deformables.step(&mut world);
@@ -238,11 +272,152 @@ fn v04_momentum_of_a_spinning_cube() {
             worst_l = worst_l.max((about_com(body) - l).length() / l.length());
         }
         let name = integrator.name();
-        assert!(worst_p <= 2e-5, "{name}: momentum off by {worst_p:.3e}, allowed 2e-5");
+        assert!(
+            worst_p <= 2e-5,
+            "{name}: momentum off by {worst_p:.3e}, allowed 2e-5"
+        );
         if integrator == Integrator::Midpoint {
-            close("midpoint: drift of the angular momentum", worst_l, 2e-3, 0.05);
+            close(
+                "midpoint: drift of the angular momentum",
+                worst_l,
+                2e-3,
+                0.05,
+            );
         } else {
-            assert!(worst_l <= 1e-5, "{name}: angular momentum off by {worst_l:.3e}, allowed 1e-5");
+            assert!(
+                worst_l <= 1e-5,
+                "{name}: angular momentum off by {worst_l:.3e}, allowed 1e-5"
+            );
+        }
+    }
+}
+
+/// A repeatable source of numbers in [0, 1).
+struct Dice(u64);
+
+impl Dice {
+    fn roll(&mut self) -> f32 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 40) as f32 / (1_u64 << 24) as f32
+    }
+
+    /// Between `low` and `high`, evenly in the logarithm.
+    fn between(&mut self, low: f32, high: f32) -> f32 {
+        low * (high / low).powf(self.roll())
+    }
+}
+
+/// A net of 4 to 12 nodes of unequal mass, every two of them joined with a chance of 0.6 by a spring of any stiffness.
+fn random_net(dice: &mut Dice, zeta: f32) -> Net {
+    let n = 4 + (dice.roll() * 9.0) as u32;
+    let nodes: Vec<Node> = (0..n)
+        .map(|i| {
+            let at = Vector::new(dice.roll(), dice.roll(), dice.roll());
+            let node = Node::new(
+                at + Vector::new(i as f32, 0.0, 0.0) * 0.2,
+                dice.between(0.1, 10.0),
+            );
+            if dice.roll() < 0.1 {
+                node.pinned()
+            } else {
+                node
+            }
+        })
+        .collect();
+    let mut springs = Vec::new();
+    for a in 0..n {
+        for b in a + 1..n {
+            if b == a + 1 || dice.roll() < 0.6 {
+                let k = dice.between(10.0, 1e5);
+                let m = nodes[a as usize].mass.min(nodes[b as usize].mass);
+                let c = 2.0 * zeta * dice.roll() * (k * m).sqrt();
+                springs.push(Spring::new(a, b, k).damping(c));
+            }
+        }
+    }
+    Net::new(nodes, springs)
+}
+
+/// Energy of a body: kinetic at the time of the positions (symplectic Euler's velocities stand half a substep of `lead` s
+/// back) and elastic.
+fn energy(net: &Net, state: &State<f64>, lead: f64) -> f64 {
+    let kinetic: f64 = net
+        .nodes
+        .iter()
+        .enumerate()
+        .filter(|(_, node)| !node.pinned)
+        .map(|(i, node)| 0.5 * f64::from(node.mass) * state.velocity(i).length_squared())
+        .sum();
+    let springs: f64 = net
+        .springs
+        .iter()
+        .zip(&state.rest)
+        .map(|(s, rest)| {
+            let [a, b] = s.nodes.map(|n| n as usize);
+            let d = state.local(b) - state.local(a);
+            let e = d.length() - rest;
+            let rate = (state.velocity(b) - state.velocity(a)).dot(d) / d.length();
+            f64::from(s.stiffness) * e * (0.5 * e - lead * rate)
+        })
+        .sum();
+    kinetic + springs
+}
+
+/// Energy never grows at .95 of the substep that is reported as stable.
+#[test]
+fn the_reported_step_is_stable() {
+    let mut dice = Dice(7);
+    for case in 0..60 {
+        for (integrator, zeta) in [
+            (Integrator::SymplecticEuler, 0.0),
+            (Integrator::SymplecticEuler, 0.5),
+            (Integrator::SymplecticEuler, 4.0),
+            (Integrator::Rk4, 0.0),
+            (Integrator::Rk4, 1.0),
+        ] {
+            let net = random_net(&mut dice, zeta);
+            let mut state = State::<f64>::new(
+                net.nodes.iter().map(|node| {
+                    let inv_mass = if node.pinned {
+                        0.0
+                    } else {
+                        1.0 / f64::from(node.mass)
+                    };
+                    (node.position.as_dvec3().to_array(), [0.0; 3], inv_mass)
+                }),
+                net.springs.iter().map(|s| {
+                    let [a, b] = s.nodes.map(|n| net.nodes[n as usize].position.as_dvec3());
+                    a.distance(b)
+                }),
+            );
+            let mut solver = Solver::new(&net.springs, &state);
+            let h = 0.95 * solver.stable_step(&state, integrator).h;
+            assert!(h > 0.0, "net {case}: no stable step");
+            // So slow that a node moves by 1e-7 m in a step: the net stays what it is.
+            for particle in state.particles.iter_mut().filter(|p| p.inv_mass > 0.0) {
+                particle.v = [(); 3].map(|()| 1e-7 / h * (f64::from(dice.roll()) - 0.5));
+            }
+            let lead = if integrator == Integrator::SymplecticEuler {
+                0.5 * h
+            } else {
+                0.0
+            };
+            solver.substep(&mut state, integrator, h);
+            let initial = energy(&net, &state, lead);
+            let mut largest = initial;
+            for _ in 0..2000 {
+                solver.substep(&mut state, integrator, h);
+                largest = largest.max(energy(&net, &state, lead));
+            }
+            let name = integrator.name();
+            let growth = largest / initial;
+            assert!(
+                growth <= 1.0 + 1e-4,
+                "net {case}, {name}, ζ up to {zeta}: energy grows to {growth} in 2000 steps of {h} s"
+            );
         }
     }
 }

@@ -58,7 +58,12 @@ fn v11_tension_of_a_lattice() {
         let measured = f64::from(strain * young) / along;
         let poisson = -0.5 * (y + z) / along;
         println!("V11 {cells}: E {measured} nu {poisson}");
-        close(&format!("E on {cells}×{cells} cells"), measured, young.into(), 2e-3);
+        close(
+            &format!("E on {cells}×{cells} cells"),
+            measured,
+            young.into(),
+            2e-3,
+        );
         close(&format!("ν on {cells}×{cells} cells"), poisson, 0.25, 2e-3);
     }
 }

@@ -32,7 +32,11 @@ fn acceleration(mu: f32) -> f64 {
     let (mut world, mut deformables, handle) = scene(mu, std::f32::consts::FRAC_PI_6);
     let mut v = [0.0; 2];
     for v in &mut v {
-        let steps = if *v == 0.0 && deformables.time() == 0.0 { 30 } else { 60 };
+        let steps = if *v == 0.0 && deformables.time() == 0.0 {
+            30
+        } else {
+            60
+        };
         for _ in 0..steps {
             deformables.step(&mut world);
         }
@@ -44,7 +48,12 @@ fn acceleration(mu: f32) -> f64 {
 /// V29: it slides down an incline of 30°.
 #[test]
 fn v29_sliding_down() {
-    close("acceleration at μ = .2 [m/s²]", acceleration(0.2), 3.205858, 0.01);
+    close(
+        "acceleration at μ = .2 [m/s²]",
+        acceleration(0.2),
+        3.205858,
+        0.01,
+    );
 }
 
 /// V29: it slips if and only if μ < tan 30° = .57735.
@@ -59,7 +68,10 @@ fn v29_slips_below_the_tangent() {
     println!("V29 .55: {slipping} expected {expected}");
     let sticking = acceleration(0.6);
     println!("V29 .6: {sticking}");
-    assert!(sticking.abs() < 1e-3, "μ = .60: accelerates at {sticking} m/s²");
+    assert!(
+        sticking.abs() < 1e-3,
+        "μ = .60: accelerates at {sticking} m/s²"
+    );
 }
 
 /// V29: it stops on the flat.
