@@ -126,10 +126,8 @@ fn v08_catenary() {
     }
     let body = &deformables[chain];
     let fastest = body.velocities().map(|v| v.length()).fold(0.0, f32::max);
-    println!("V08 fastest {fastest} com v {}", body.linvel());
     assert!(fastest < 1e-2, "still moving at {fastest} m/s");
     let sag = -body.position(NodeId(n / 2)).unwrap().y;
-    println!("V08 catenary sag {sag} fastest {fastest}");
     close("sag [m]", sag, 2.654375, 1e-3);
 }
 
@@ -171,7 +169,6 @@ fn v09_pulse_in_a_bar() {
     let offset = 0.5 * (a - d) / (a - 2.0 * b + d);
     let arrival = speed[top].0 + offset * dt - 0.5 * duration;
     let peak = b - 0.25 * (a - d) * offset;
-    println!("V09 arrival {arrival} peak {peak}");
     close("arrival of the peak [s]", arrival, 1.0 / c, 0.005);
     assert!(
         (peak - 2.0).abs() <= 0.05,

@@ -57,7 +57,6 @@ fn v11_tension_of_a_lattice() {
         let (along, y, z) = (mean(0), mean(1), mean(2));
         let measured = f64::from(strain * young) / along;
         let poisson = -0.5 * (y + z) / along;
-        println!("V11 {cells}: E {measured} nu {poisson}");
         close(
             &format!("E on {cells}×{cells} cells"),
             measured,

@@ -53,11 +53,6 @@ fn watch(
         }
         before = now;
     }
-    println!(
-        "V05 {what}: residual {:.3e} least {least:.2e} {:?}",
-        residual / scale,
-        deformables[body].energies().work
-    );
     if !(residual <= 0.01 * scale) {
         faults += &format!(
             "\n{what}: residual {:.4} of {scale:.4} J, allowed .01",
@@ -212,7 +207,6 @@ fn far_from_the_origin() {
     let here = crash(0.0);
     for x in [1.0e4, -1.0e4] {
         let there = crash(x);
-        println!("far {x}: {here:?} {there:?}");
         close("crush", there.0, here.0, 1e-3);
         close("Δv", there.1, here.1, 1e-3);
         close("mean force", there.2, here.2, 1e-3);

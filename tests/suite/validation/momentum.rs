@@ -99,10 +99,6 @@ fn collisions(by: Loop, masses: &[f32], shapes: &[(&str, ColliderBuilder)]) {
                     let Outcome { worst, exchanged } =
                         collide(collider.clone(), mass, dt, spin, by);
                     let case = format!("{name} of {mass} kg, dt = {dt}, spin {spin}");
-                    println!(
-                        "V43 {case}: P {:.2e} L {:.2e} ex {exchanged:.3}",
-                        worst.0, worst.1
-                    );
                     assert!(exchanged > 0.01, "{case}: they must meet, {exchanged}");
                     if worst.0 > 1e-5 || worst.1 > 1e-5 {
                         failures += &format!(

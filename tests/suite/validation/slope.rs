@@ -65,9 +65,7 @@ fn v29_slips_below_the_tangent() {
         slipping > 0.5 * expected,
         "μ = .55: {slipping} m/s², expected about {expected}"
     );
-    println!("V29 .55: {slipping} expected {expected}");
     let sticking = acceleration(0.6);
-    println!("V29 .6: {sticking}");
     assert!(
         sticking.abs() < 1e-3,
         "μ = .60: accelerates at {sticking} m/s²"
@@ -95,7 +93,6 @@ fn v29_stopping_on_the_flat() {
         last = now;
     };
     let way = deformables[handle].center_of_mass().x - start;
-    println!("V29 stop {stopped} way {way}");
     close("time to stop [s]", stopped, 1.019368, 0.01);
     close("way [m]", way, 1.529052, 0.01);
 }
