@@ -23,7 +23,8 @@ fn watch(
         deformables.step(world);
         let e = deformables[body].energies();
         scale = scale.max(e.scale());
-        residual = residual.max((e.balance() - initial).abs());
+        let off = (e.balance() - initial).abs();
+        residual = if off.is_nan() { off } else { residual.max(off) };
         let w = e.work;
         let now = [
             w.damping,
@@ -53,7 +54,7 @@ fn watch(
         }
         before = now;
     }
-    if !(residual <= 0.01 * scale) {
+    if residual.is_nan() || residual > 0.01 * scale {
         faults += &format!(
             "\n{what}: residual {:.4} of {scale:.4} J, allowed .01",
             residual / scale
