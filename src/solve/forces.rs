@@ -38,22 +38,23 @@ pub(crate) struct LimitEvent<S> {
     pub energy: S,
 }
 
-/// Adds the force of every spring to its nodes. With `commit`, plastic flow and breaking are written to the state;
-/// without, they only limit the force, as the inner stages of a scheme need.
+/// Adds the force of every spring to its nodes. With `commit`, which is the time since the last commit \[s\], plastic flow
+/// and breaking are written to the state; without, they only limit the force, as the inner stages of a scheme need.
 pub(crate) fn add_spring_forces<S: Scalar>(
     table: &mut SpringTable<S>,
     state: &mut State<S>,
     forces: &mut [Force<S>],
     events: &mut Vec<LimitEvent<S>>,
-    commit: bool,
+    commit: Option<S>,
 ) -> Happened {
-    match (table.limits.is_empty(), commit, table.damped) {
-        (true, _, false) => pass::<S, false, false, false>(table, state, forces, events),
-        (true, _, true) => pass::<S, false, false, true>(table, state, forces, events),
-        (false, false, false) => pass::<S, true, false, false>(table, state, forces, events),
-        (false, false, true) => pass::<S, true, false, true>(table, state, forces, events),
-        (false, true, false) => pass::<S, true, true, false>(table, state, forces, events),
-        (false, true, true) => pass::<S, true, true, true>(table, state, forces, events),
+    let h = commit.unwrap_or(S::ZERO);
+    match (table.limits.is_empty(), commit.is_some(), table.damped) {
+        (true, _, false) => pass::<S, false, false, false>(table, state, forces, events, h),
+        (true, _, true) => pass::<S, false, false, true>(table, state, forces, events, h),
+        (false, false, false) => pass::<S, true, false, false>(table, state, forces, events, h),
+        (false, false, true) => pass::<S, true, false, true>(table, state, forces, events, h),
+        (false, true, false) => pass::<S, true, true, false>(table, state, forces, events, h),
+        (false, true, true) => pass::<S, true, true, true>(table, state, forces, events, h),
     }
 }
 
@@ -113,6 +114,7 @@ fn pass<S: Scalar, const LIMITED: bool, const COMMIT: bool, const DAMPED: bool>(
     state: &mut State<S>,
     forces: &mut [Force<S>],
     events: &mut Vec<LimitEvent<S>>,
+    h: S,
 ) -> Happened {
     let mut happened = Happened::default();
     let mut plastic_work = S::ZERO;
@@ -133,30 +135,31 @@ fn pass<S: Scalar, const LIMITED: bool, const COMMIT: bool, const DAMPED: bool>(
             let limit = &limits[i];
             let mapped = plastic::return_map(link.stiffness, elongation, flows[i], &limit.yields);
             tension = mapped.tension;
-            if COMMIT {
-                let moved = mapped.flow.abs();
-                let old = flows[i];
-                plastic_work += tension.abs() * moved;
-                rest[i] += mapped.flow;
-                flows[i] = old + moved;
-                let begins = (old == S::ZERO) & (moved > S::ZERO);
-                let breaks = (tension > limit.break_force) | (length > limit.break_length);
-                if begins | breaks {
-                    let energy = spring::energy(link.stiffness, elongation - mapped.flow);
-                    let event = |broke| LimitEvent {
-                        spring: i as u32,
-                        broke,
-                        tension,
-                        energy,
-                    };
-                    if begins {
+            let breaks = (tension > limit.break_force) | (length > limit.break_length);
+            // Rare, and in runs: springs flow together, for many substeps.
+            if COMMIT && (mapped.flow != S::ZERO || breaks) {
+                let event = |broke| LimitEvent {
+                    spring: i as u32,
+                    broke,
+                    tension,
+                    energy: spring::energy(link.stiffness, elongation - mapped.flow),
+                };
+                if mapped.flow != S::ZERO {
+                    // The trapezoid, as for every other work: the tension of the last commit follows from the rate.
+                    let rate = dot_lanes(sub(velocity(b), velocity(a)), n);
+                    let last = link.stiffness * (elongation - h * rate);
+                    plastic_work += plastic::work(last, &mapped);
+                    if flows[i] == S::ZERO {
                         events.push(event(false));
                     }
-                    if breaks {
-                        events.push(event(true));
-                        happened.fracture += energy.f64();
-                        (tension, viscosity) = (S::ZERO, S::ZERO);
-                    }
+                    rest[i] += mapped.flow;
+                    flows[i] += mapped.flow.abs();
+                }
+                if breaks {
+                    let event = event(true);
+                    happened.fracture += event.energy.f64();
+                    events.push(event);
+                    (tension, viscosity) = (S::ZERO, S::ZERO);
                 }
             }
         }

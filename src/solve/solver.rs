@@ -89,27 +89,17 @@ impl<S: Scalar> Solver<S> {
         self.time += h;
     }
 
-    /// Changes the velocity of a node between `predict` and `finish`, as if from the start of the substep:
-    /// v += Δv, x += h·Δv. Work of damping and external forces follows, see [`Work`].
-    pub(crate) fn kick(
-        &mut self,
-        state: &mut State<S>,
-        integrator: Integrator,
-        node: usize,
-        dv: DVec3,
-        h: f64,
-    ) {
+    /// Changes the velocity of a node after `predict` by a scheme that takes late impulses: v += Δv, x += h·Δv. Work of damping and external forces follows, see [`Work`].
+    pub(crate) fn kick(&mut self, state: &mut State<S>, node: usize, dv: DVec3, h: f64) {
         let dv = [S::of(dv.x), S::of(dv.y), S::of(dv.z)];
         let step = S::of(h);
         for (v, d) in state.particles[node].v.iter_mut().zip(dv) {
             *v += d;
         }
         state.displace(node, [dv[0] * step, dv[1] * step, dv[2] * step]);
-        if integrator == Integrator::SymplecticEuler {
-            self.work.damping -= 0.5 * h * dot(three(self.forces[node].damping), dv).f64();
-            if let Some(applied) = self.applied.get(node) {
-                self.work.external += 0.5 * h * dot(*applied, dv).f64();
-            }
+        self.work.damping -= 0.5 * h * dot(three(self.forces[node].damping), dv).f64();
+        if let Some(applied) = self.applied.get(node) {
+            self.work.external += 0.5 * h * dot(*applied, dv).f64();
         }
     }
 
@@ -124,12 +114,13 @@ impl<S: Scalar> Solver<S> {
         DVec3::new(sum(0), sum(1), sum(2))
     }
 
-    /// Fills the forces for the state as it is. With `commit`, plastic flow and breaking are written.
+    /// Fills the forces for the state as it is. With `commit`, which is the time since the last commit \[s\], plastic flow
+    /// and breaking are written.
     pub(crate) fn evaluate(
         &mut self,
         state: &mut State<S>,
         field: Option<&dyn ForceField>,
-        commit: bool,
+        commit: Option<S>,
     ) {
         self.forces.fill(Force::default());
         let drag = self.external.drag;

@@ -2,9 +2,10 @@
 //! change it. Values are editable, lengths are not.
 
 use super::params::{DeformableParameters, Substeps};
+use crate::body::state::Particle;
 use crate::body::{Blueprint, BuildError, NodeId, Spring, SpringId, State};
 use crate::contact::target::Surface;
-use crate::law::plastic::{Mapped, Yield, return_map};
+use crate::law::plastic::{self, Mapped, Yield, return_map};
 use crate::law::spring as law;
 use crate::math::{DVec3, Pose, Real, Vector, narrow, wide};
 use crate::solve::external::ForceField;
@@ -16,7 +17,8 @@ use std::sync::Arc;
 /// Energies of a body and the work done on it so far \[J\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energies {
-    /// ½Σ m·v⁻·v⁺ for symplectic Euler (leapfrog), ½Σ m·v² otherwise.
+    /// ½Σ m·v⁻·v⁺ with the velocities half a substep before and after for symplectic Euler and velocity Verlet, which are
+    /// leapfrog; ½Σ m·v² for the other schemes.
     pub kinetic: f64,
     /// Held by the springs.
     pub elastic: f64,
@@ -79,9 +81,19 @@ pub struct Deformable {
     pub(super) slots: Vec<u32>,
     /// Positions and velocities at the start of the rigid step, to go back to if the step goes wrong.
     pub(super) backup: State<Real>,
+    /// Particles and work before the free motion, for schemes that predict anew after rows.
+    pub(super) start: Start,
     pub(super) h: f64,
     /// Anything the user wants to keep with the body.
     pub user_data: u128,
+}
+
+/// What a second prediction starts from.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Start {
+    particles: Vec<Particle<Real>>,
+    low: Vec<[Real; 3]>,
+    work: Work,
 }
 
 impl std::fmt::Debug for Deformable {
@@ -298,12 +310,18 @@ impl Deformable {
         } else {
             0.0
         };
+        let verlet = self.integrator() == Integrator::VelocityVerlet;
         for (i, mass) in self.nodes_with_mass() {
             if self.state.particles[i].inv_mass == 0.0 {
                 continue;
             }
             let v = self.state.velocity(i);
             energies.kinetic += mass * (0.5 * v.length_squared() + lead * gravity.dot(v));
+            if verlet {
+                // Leapfrog by another name: ½m·v⁻·v⁺ with v± = v ± ½h·a.
+                let force = self.solver.force(i) + gravity * mass;
+                energies.kinetic -= 0.125 * (self.h * force).length_squared() / mass;
+            }
             energies.gravity -= mass * gravity.dot(self.state.position(i) - self.datum);
         }
         for (i, link) in self.solver.table.links.iter().enumerate() {
@@ -316,9 +334,10 @@ impl Deformable {
             let length = d.length();
             let mapped = self.mapped(i, length, stiffness);
             energies.elastic += law::energy(stiffness, mapped.tension / stiffness);
-            energies.work.plastic += mapped.tension.abs() * mapped.flow.abs();
             let rate = (self.state.velocity(b) - self.state.velocity(a)).dot(d)
                 / length.max(f64::MIN_POSITIVE);
+            let last = stiffness * (length - f64::from(self.state.rest[i]) - self.h * rate);
+            energies.work.plastic += plastic::work(last, &mapped);
             energies.kinetic -= lead * mapped.tension * rate;
         }
         energies
@@ -646,6 +665,78 @@ impl Deformable {
             self.state.set_velocity(node as usize, v);
         }
         self.solver.speed_squared = self.max_speed_squared();
+    }
+
+    /// Moves freely over h s.
+    pub(super) fn predict(&mut self, h: f64) {
+        self.h = h;
+        if !self.integrator().takes_late_impulses() {
+            self.start.particles.clone_from(&self.state.particles);
+            self.start.low.clone_from(&self.state.low);
+            self.start.work = self.solver.work;
+        }
+        self.free_motion(h);
+    }
+
+    fn free_motion(&mut self, h: f64) {
+        let integrator = self.integrator();
+        let Self {
+            solver,
+            state,
+            field,
+            ..
+        } = self;
+        solver.predict(state, integrator, h, field.as_deref());
+    }
+
+    /// The velocity by which a node has moved in the free motion \[m/s\].
+    pub(super) fn free_velocity(&self, node: usize, h: f64) -> DVec3 {
+        if self.integrator().takes_late_impulses() {
+            return self.state.velocity(node);
+        }
+        let (x, low) = (self.start.particles[node].x, self.start.low[node]);
+        let start = DVec3::new(x[0].into(), x[1].into(), x[2].into())
+            + DVec3::new(low[0].into(), low[1].into(), low[2].into());
+        (self.state.local(node) - start) / h
+    }
+
+    /// Gives rows' velocity changes to the nodes, and moves anew where the scheme wants it.
+    pub(super) fn take_impulses(&mut self, changes: impl Iterator<Item = (usize, DVec3)>, h: f64) {
+        if self.integrator().takes_late_impulses() {
+            for (node, change) in changes {
+                self.solver.kick(&mut self.state, node, change, h);
+            }
+            return;
+        }
+        let mut changes = changes.peekable();
+        if changes.peek().is_none() {
+            return;
+        }
+        self.state.particles.clone_from(&self.start.particles);
+        self.state.low.clone_from(&self.start.low);
+        // Flow and fracture were committed at the start and stay; the other sums belong to the motion that is taken back.
+        self.solver.work = Work {
+            plastic: self.solver.work.plastic,
+            fracture: self.solver.work.fracture,
+            ..self.start.work
+        };
+        for (node, change) in changes {
+            let v = self.state.velocity(node) + change;
+            self.state.set_velocity(node, v);
+        }
+        self.free_motion(h);
+    }
+
+    /// Completes the substep.
+    pub(super) fn finish(&mut self, h: f64) {
+        let integrator = self.integrator();
+        let Self {
+            solver,
+            state,
+            field,
+            ..
+        } = self;
+        solver.finish(state, integrator, h, field.as_deref());
     }
 
     /// Ends a step of the world: led nodes stand at their targets, one-step forces are gone.

@@ -140,7 +140,6 @@ fn v43_the_coupling_conserves_momentum() {
 
 /// V43: bodies much lighter than the deformable, which are thrown into a quick spin.
 #[test]
-#[ignore = "known: push-out moves a node and not the body it is pushed out of, which costs 2e-4 of angular momentum"]
 fn v43_light_bodies() {
     collisions(Loop::ByHand, &[0.5], &all_shapes());
 }
