@@ -33,7 +33,10 @@ fn both_preludes_make_a_program() -> Result<(), BuildError> {
     let held: AttachmentHandle = deformables
         .attach(block, &[NodeId(0)], floor, &world.bodies)
         .expect("both exist");
-    for f in [sheet(1.0, 1.0, 3, 3, 0.1), rope(Vector::X, Vector::Y, 2, 0.1)] {
+    for f in [
+        sheet(1.0, 1.0, 3, 3, 0.1),
+        rope(Vector::X, Vector::Y, 2, 0.1),
+    ] {
         f?.check()?;
     }
     assert!(filled(&Default::default(), 0.1).is_err());

@@ -204,11 +204,11 @@ impl DeformableBuilder {
                 must: "finite",
             });
         }
-        if !self.pose.rotation.is_finite() {
+        if !wide_rotation(self.pose.rotation).is_finite() {
             return Err(BuildError::Value {
-                what: "the rotation",
-                value: f64::NAN,
-                must: "finite",
+                what: "the length of the rotation's quaternion",
+                value: self.pose.rotation.length().into(),
+                must: "positive and finite",
             });
         }
         if let Some(substeps) = self.substeps {

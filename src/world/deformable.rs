@@ -3,11 +3,12 @@
 
 use super::params::{DeformableParameters, Substeps};
 use crate::body::{Blueprint, BuildError, NodeId, Spring, SpringId, State};
-use crate::contact::target::Surface;
+use crate::contact::target::{Surface, wide_rotation};
 use crate::law::plastic::{Mapped, Yield, return_map};
 use crate::law::spring as law;
 use crate::math::{DVec3, Pose, Real, Vector, narrow, wide};
 use crate::solve::external::ForceField;
+use crate::solve::springs::SpringTable;
 use crate::solve::stable::StableStep;
 use crate::solve::work::Work;
 use crate::solve::{Integrator, Solver};
@@ -79,6 +80,8 @@ pub struct Deformable {
     pub(super) slots: Vec<u32>,
     /// Positions and velocities at the start of the rigid step, to go back to if the step goes wrong.
     pub(super) backup: State<Real>,
+    /// The work done until then.
+    pub(super) work_backup: Work,
     pub(super) h: f64,
     /// Anything the user wants to keep with the body.
     pub user_data: u128,
@@ -429,9 +432,10 @@ impl Deformable {
     /// Moves the body rigidly: every node goes through `motion`, velocities are turned with it. Values that are not
     /// finite change nothing: `false`.
     pub fn transform(&mut self, motion: Pose) -> bool {
-        let ok = motion.is_finite();
+        let turn = wide_rotation(motion.rotation);
+        // A rotation of length 0 is none.
+        let ok = motion.is_finite() && turn.is_finite();
         if ok {
-            let turn = crate::contact::target::wide_rotation(motion.rotation);
             let shift = wide(motion.translation);
             self.edit(|body| {
                 for i in 0..body.node_count() {
@@ -530,15 +534,23 @@ impl Deformable {
         new.nodes = old.nodes;
         new.rest_length = old.rest_length;
         crate::body::error::check_constants(spring.0, &new)?;
-        self.blueprint.springs[spring.index()] = new;
-        self.rebuild()
-            .inspect_err(|_| self.restore_spring(spring, old))
+        let work = self.solver.work;
+        self.put_spring(spring, new);
+        self.check_budget().inspect_err(|_| {
+            self.put_spring(spring, old);
+            self.solver.work = work;
+        })
     }
 
-    fn restore_spring(&mut self, spring: SpringId, old: Spring) {
-        self.blueprint.springs[spring.index()] = old;
-        self.solver.table =
-            crate::solve::springs::SpringTable::new(&self.blueprint.springs, &self.state);
+    fn put_spring(&mut self, id: SpringId, spring: Spring) {
+        self.edit(|body| {
+            body.blueprint.springs[id.index()] = spring;
+            body.rebuild_table();
+        });
+    }
+
+    fn rebuild_table(&mut self) {
+        self.solver.table = SpringTable::new(&self.blueprint.springs, &self.state);
     }
 
     /// Changes the mass of a node \[kg\].
@@ -555,8 +567,19 @@ impl Deformable {
             ));
         };
         crate::body::error::positive("the node's mass", mass.into())?;
+        if !mass.is_normal() {
+            return Err(bad(
+                "the node's mass",
+                mass.into(),
+                "large enough to have an inverse",
+            ));
+        }
+        let work = self.solver.work;
         self.put_mass(node, mass);
-        self.rebuild().inspect_err(|_| self.put_mass(node, old))
+        self.check_budget().inspect_err(|_| {
+            self.put_mass(node, old);
+            self.solver.work = work;
+        })
     }
 
     fn put_mass(&mut self, node: NodeId, mass: Real) {
@@ -567,14 +590,6 @@ impl Deformable {
                 particle.inv_mass = 1.0 / mass;
             }
         });
-    }
-
-    fn rebuild(&mut self) -> Result<(), BuildError> {
-        self.edit(|body| {
-            body.solver.table =
-                crate::solve::springs::SpringTable::new(&body.blueprint.springs, &body.state);
-        });
-        self.check_budget()
     }
 
     /// Whether the body is stable within its budget.
@@ -618,7 +633,8 @@ impl Deformable {
         let share = |n: usize| ((n as f64 * dt / frame).round() as usize).max(1);
         match self.substeps() {
             Substeps::Auto { safety, min_h } => {
-                (count((stable.h * safety).max(min_h.max(1e-12))), false)
+                let n = count((stable.h * safety).max(min_h.max(1e-12)));
+                (n, dt / n as f64 > stable.h * (1.0 + 1e-9))
             }
             Substeps::Fixed(n) => {
                 let needed = if stable.never { 0 } else { count(stable.h) };
@@ -659,12 +675,28 @@ impl Deformable {
         }
     }
 
+    /// Remembers what [`Self::go_back`] goes back to.
+    pub(super) fn back_up(&mut self) {
+        self.backup.clone_from(&self.state);
+        self.work_backup = self.solver.work;
+    }
+
+    /// Back to the start of the rigid step: positions, velocities, what flowed and broke, and the work done.
+    pub(super) fn go_back(&mut self) {
+        self.state.clone_from(&self.backup);
+        self.solver.work = self.work_backup;
+        self.solver.events.clear();
+        self.rebuild_table();
+    }
+
     /// Back to the start of the rigid step, at rest, out of the simulation.
     pub(super) fn freeze(&mut self) {
-        self.state.clone_from(&self.backup);
-        for particle in &mut self.state.particles {
-            particle.v = [0.0; 3];
-        }
+        self.go_back();
+        self.edit(|body| {
+            for particle in &mut body.state.particles {
+                particle.v = [0.0; 3];
+            }
+        });
         self.frozen = true;
     }
 

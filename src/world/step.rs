@@ -146,7 +146,7 @@ impl DeformableWorld {
             body.defaults = defaults;
             body.state.recentre(parts.length_unit());
             body.prepare(parts.gravity, left);
-            body.backup.clone_from(&body.state);
+            body.back_up();
         }
         let mut parity = self.parity;
         for mut group in self.form_groups(parts, dt) {
@@ -221,7 +221,7 @@ impl DeformableWorld {
                 log::warn!("deformable {handle:?} became non-finite and was frozen");
                 note(&mut self.report.frozen, *handle);
             } else {
-                body.state.clone_from(&body.backup);
+                body.go_back();
             }
             body.slots.fill(u32::MAX);
         }

@@ -1,6 +1,8 @@
 //! All tests of behaviour in one binary, so that the crate is linked once.
 
+mod bad_input;
 mod coupling;
+mod scenes;
 mod support;
 mod validation;
 
