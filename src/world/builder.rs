@@ -289,3 +289,21 @@ impl IntoNet for Result<Net, BuildError> {
         self
     }
 }
+
+/// What a world takes as a body: a builder, or a body that was built before.
+pub trait IntoDeformable {
+    /// The body, or why there is none.
+    fn into_deformable(self) -> Result<Deformable, BuildError>;
+}
+
+impl IntoDeformable for Deformable {
+    fn into_deformable(self) -> Result<Deformable, BuildError> {
+        Ok(self)
+    }
+}
+
+impl IntoDeformable for DeformableBuilder {
+    fn into_deformable(self) -> Result<Deformable, BuildError> {
+        self.build()
+    }
+}

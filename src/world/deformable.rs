@@ -398,7 +398,7 @@ impl Deformable {
         ok
     }
 
-    /// Sets the velocity of a node \[m/s\]. Unknown ids and values that are not finite change nothing: `false`.
+    /// Sets the velocity of a node \[m/s\]; a pinned one goes on at it until told otherwise. Unknown ids and values that are not finite change nothing: `false`.
     pub fn set_linvel_of(&mut self, node: NodeId, linvel: Vector) -> bool {
         let ok = node.index() < self.node_count() && linvel.is_finite();
         if ok {
@@ -407,19 +407,22 @@ impl Deformable {
         ok
     }
 
-    /// Gives all nodes one velocity \[m/s\]. Values that are not finite change nothing: `false`.
+    /// Gives all nodes that are not pinned one velocity \[m/s\]. Values that are not finite change nothing: `false`.
     pub fn set_linvel(&mut self, linvel: Vector) -> bool {
         self.set_velocities(linvel, Vector::ZERO)
     }
 
-    /// Gives the body the velocity field of a rigid one: `linvel` \[m/s\] of its centre of mass and `angvel` \[rad/s\].
-    /// Values that are not finite change nothing: `false`.
+    /// Gives the body the velocity field of a rigid one: `linvel` \[m/s\] of its centre of mass and `angvel` \[rad/s\];
+    /// pinned nodes stay. Values that are not finite change nothing: `false`.
     pub fn set_velocities(&mut self, linvel: Vector, angvel: Vector) -> bool {
         let ok = linvel.is_finite() && angvel.is_finite();
         if ok {
             let com = self.center_of_mass();
             self.edit(|body| {
                 for i in 0..body.node_count() {
+                    if body.state.particles[i].inv_mass == 0.0 {
+                        continue;
+                    }
                     let arm = body.state.position(i) - com;
                     body.state
                         .set_velocity(i, wide(linvel) + wide(angvel).cross(arm));
@@ -461,6 +464,7 @@ impl Deformable {
                     particle.v = [0.0; 3];
                 }
                 body.blueprint.nodes[node.index()].pinned = pinned;
+                body.led.retain(|(n, _)| pinned || *n != node.0);
             });
         }
         ok
@@ -666,9 +670,12 @@ impl Deformable {
 
     /// Ends a step of the world: led nodes stand at their targets, one-step forces are gone.
     pub(super) fn end_frame(&mut self) {
-        for (node, target) in std::mem::take(&mut self.led) {
-            self.state.set_position(node as usize, target);
-            self.state.set_velocity(node as usize, DVec3::ZERO);
+        let led = std::mem::take(&mut self.led);
+        if self.is_enabled() {
+            for (node, target) in led {
+                self.state.set_position(node as usize, target);
+                self.state.set_velocity(node as usize, DVec3::ZERO);
+            }
         }
         for (_, once) in &mut self.node_forces {
             *once = Vector::ZERO;

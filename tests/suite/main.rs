@@ -1,5 +1,6 @@
 //! All tests of behaviour in one binary, so that the crate is linked once.
 
+mod api;
 mod bad_input;
 mod coupling;
 mod scenes;
