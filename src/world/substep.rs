@@ -56,7 +56,7 @@ pub(super) struct Settings {
 }
 
 impl Group {
-    pub fn new() -> Self {
+    pub fn empty() -> Self {
         Self {
             shadows: vec![Shadow::FIXED],
             ..Self::default()

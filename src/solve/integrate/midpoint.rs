@@ -25,9 +25,9 @@ pub(super) fn predict<S: Scalar>(
             applied_at(&solver.applied, i),
             solver.external.gravity,
         );
-        for k in 0..3 {
+        for (k, a) in a.into_iter().enumerate() {
             p.x[k] += half * p.v[k];
-            p.v[k] += half * a[k];
+            p.v[k] += half * a;
         }
     }
     solver.evaluate(state, field, false);

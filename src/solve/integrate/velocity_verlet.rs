@@ -75,9 +75,8 @@ fn half_kick<S: Scalar>(solver: &Solver<S>, state: &mut State<S>, half: S) {
             applied_at(&solver.applied, i),
             solver.external.gravity,
         );
-        for k in 0..3 {
-            p.v[k] = solver.start[i].1[k] + half * a[k];
-        }
+        let start = solver.start[i].1;
+        p.v = [0, 1, 2].map(|k| start[k] + half * a[k]);
     }
 }
 

@@ -6,6 +6,7 @@ use crumple::rapier3d::prelude::*;
 
 const DT: f64 = 1.0 / 60.0;
 
+type Before = fn(&mut PhysicsWorld) -> Option<ColliderHandle>;
 type Change = fn(&mut PhysicsWorld, RigidBodyHandle, ColliderHandle);
 
 /// What takes a floor away.
@@ -72,11 +73,7 @@ fn a_floor_taken_away_lets_fall_in_the_same_step() {
 }
 
 /// What puts a floor under a node that falls past y = 0 within this step. Made before the first step, then changed.
-const UNDER: [(
-    &str,
-    fn(&mut PhysicsWorld) -> Option<ColliderHandle>,
-    Change,
-); 8] = [
+const UNDER: [(&str, Before, Change); 8] = [
     (
         "body and collider inserted",
         |_| None,
