@@ -42,6 +42,15 @@ const LOAD_TIME: f64 = 0.05;
 const BASELINE_AFTER: f64 = 0.25;
 
 impl BodyMemory {
+    /// The memory of a body that no deformable has been near before. If it sleeps, nothing lay on it when it fell asleep.
+    pub fn first_seen(sleeping: bool) -> Self {
+        Self {
+            baseline: sleeping.then_some(DVec3::ZERO),
+            asleep: if sleeping { BASELINE_AFTER } else { 0.0 },
+            ..Self::default()
+        }
+    }
+
     /// Mixes the impulse of a step of `dt` s into the average.
     pub fn feel(&mut self, impulse: DVec3, dt: f64) {
         let mix = 1.0 - (-dt / LOAD_TIME).exp();

@@ -114,6 +114,12 @@ impl<S: Scalar> Solver<S> {
         DVec3::new(sum(0), sum(1), sum(2))
     }
 
+    /// Drops the forces of the last evaluation, when the state they belong to is given up.
+    pub(crate) fn forget_forces(&mut self) {
+        self.forces.fill(Force::default());
+        self.applied.clear();
+    }
+
     /// Fills the forces for the state as it is. With `commit`, which is the time since the last commit \[s\], plastic flow
     /// and breaking are written.
     pub(crate) fn evaluate(

@@ -4,11 +4,12 @@
 use super::params::{DeformableParameters, Substeps};
 use crate::body::state::Particle;
 use crate::body::{Blueprint, BuildError, NodeId, Spring, SpringId, State};
-use crate::contact::target::Surface;
+use crate::contact::target::{Surface, wide_rotation};
 use crate::law::plastic::{self, Mapped, Yield, return_map};
 use crate::law::spring as law;
 use crate::math::{DVec3, Pose, Real, Vector, narrow, wide};
 use crate::solve::external::ForceField;
+use crate::solve::springs::SpringTable;
 use crate::solve::stable::StableStep;
 use crate::solve::work::Work;
 use crate::solve::{Integrator, Solver};
@@ -83,6 +84,8 @@ pub struct Deformable {
     pub(super) backup: State<Real>,
     /// Particles and work before the free motion, for schemes that predict anew after rows.
     pub(super) start: Start,
+    /// The work done until then.
+    pub(super) work_backup: Work,
     pub(super) h: f64,
     /// Anything the user wants to keep with the body.
     pub user_data: u128,
@@ -414,7 +417,7 @@ impl Deformable {
         ok
     }
 
-    /// Sets the velocity of a node \[m/s\]. Unknown ids and values that are not finite change nothing: `false`.
+    /// Sets the velocity of a node \[m/s\]; a pinned one goes on at it until told otherwise. Unknown ids and values that are not finite change nothing: `false`.
     pub fn set_linvel_of(&mut self, node: NodeId, linvel: Vector) -> bool {
         let ok = node.index() < self.node_count() && linvel.is_finite();
         if ok {
@@ -423,19 +426,22 @@ impl Deformable {
         ok
     }
 
-    /// Gives all nodes one velocity \[m/s\]. Values that are not finite change nothing: `false`.
+    /// Gives all nodes that are not pinned one velocity \[m/s\]. Values that are not finite change nothing: `false`.
     pub fn set_linvel(&mut self, linvel: Vector) -> bool {
         self.set_velocities(linvel, Vector::ZERO)
     }
 
-    /// Gives the body the velocity field of a rigid one: `linvel` \[m/s\] of its centre of mass and `angvel` \[rad/s\].
-    /// Values that are not finite change nothing: `false`.
+    /// Gives the body the velocity field of a rigid one: `linvel` \[m/s\] of its centre of mass and `angvel` \[rad/s\];
+    /// pinned nodes stay. Values that are not finite change nothing: `false`.
     pub fn set_velocities(&mut self, linvel: Vector, angvel: Vector) -> bool {
         let ok = linvel.is_finite() && angvel.is_finite();
         if ok {
             let com = self.center_of_mass();
             self.edit(|body| {
                 for i in 0..body.node_count() {
+                    if body.state.particles[i].inv_mass == 0.0 {
+                        continue;
+                    }
                     let arm = body.state.position(i) - com;
                     body.state
                         .set_velocity(i, wide(linvel) + wide(angvel).cross(arm));
@@ -448,9 +454,10 @@ impl Deformable {
     /// Moves the body rigidly: every node goes through `motion`, velocities are turned with it. Values that are not
     /// finite change nothing: `false`.
     pub fn transform(&mut self, motion: Pose) -> bool {
-        let ok = motion.is_finite();
+        let turn = wide_rotation(motion.rotation);
+        // A rotation of length 0 is none.
+        let ok = motion.is_finite() && turn.is_finite();
         if ok {
-            let turn = crate::contact::target::wide_rotation(motion.rotation);
             let shift = wide(motion.translation);
             self.edit(|body| {
                 for i in 0..body.node_count() {
@@ -476,6 +483,7 @@ impl Deformable {
                     particle.v = [0.0; 3];
                 }
                 body.blueprint.nodes[node.index()].pinned = pinned;
+                body.led.retain(|(n, _)| pinned || *n != node.0);
             });
         }
         ok
@@ -549,15 +557,23 @@ impl Deformable {
         new.nodes = old.nodes;
         new.rest_length = old.rest_length;
         crate::body::error::check_constants(spring.0, &new)?;
-        self.blueprint.springs[spring.index()] = new;
-        self.rebuild()
-            .inspect_err(|_| self.restore_spring(spring, old))
+        let work = self.solver.work;
+        self.put_spring(spring, new);
+        self.check_budget().inspect_err(|_| {
+            self.put_spring(spring, old);
+            self.solver.work = work;
+        })
     }
 
-    fn restore_spring(&mut self, spring: SpringId, old: Spring) {
-        self.blueprint.springs[spring.index()] = old;
-        self.solver.table =
-            crate::solve::springs::SpringTable::new(&self.blueprint.springs, &self.state);
+    fn put_spring(&mut self, id: SpringId, spring: Spring) {
+        self.edit(|body| {
+            body.blueprint.springs[id.index()] = spring;
+            body.rebuild_table();
+        });
+    }
+
+    fn rebuild_table(&mut self) {
+        self.solver.table = SpringTable::new(&self.blueprint.springs, &self.state);
     }
 
     /// Changes the mass of a node \[kg\].
@@ -574,8 +590,19 @@ impl Deformable {
             ));
         };
         crate::body::error::positive("the node's mass", mass.into())?;
+        if !mass.is_normal() {
+            return Err(bad(
+                "the node's mass",
+                mass.into(),
+                "large enough to have an inverse",
+            ));
+        }
+        let work = self.solver.work;
         self.put_mass(node, mass);
-        self.rebuild().inspect_err(|_| self.put_mass(node, old))
+        self.check_budget().inspect_err(|_| {
+            self.put_mass(node, old);
+            self.solver.work = work;
+        })
     }
 
     fn put_mass(&mut self, node: NodeId, mass: Real) {
@@ -586,14 +613,6 @@ impl Deformable {
                 particle.inv_mass = 1.0 / mass;
             }
         });
-    }
-
-    fn rebuild(&mut self) -> Result<(), BuildError> {
-        self.edit(|body| {
-            body.solver.table =
-                crate::solve::springs::SpringTable::new(&body.blueprint.springs, &body.state);
-        });
-        self.check_budget()
     }
 
     /// Whether the body is stable within its budget.
@@ -637,7 +656,8 @@ impl Deformable {
         let share = |n: usize| ((n as f64 * dt / frame).round() as usize).max(1);
         match self.substeps() {
             Substeps::Auto { safety, min_h } => {
-                (count((stable.h * safety).max(min_h.max(1e-12))), false)
+                let n = count((stable.h * safety).max(min_h.max(1e-12)));
+                (n, dt / n as f64 > stable.h * (1.0 + 1e-9))
             }
             Substeps::Fixed(n) => {
                 let needed = if stable.never { 0 } else { count(stable.h) };
@@ -741,21 +761,41 @@ impl Deformable {
 
     /// Ends a step of the world: led nodes stand at their targets, one-step forces are gone.
     pub(super) fn end_frame(&mut self) {
-        for (node, target) in std::mem::take(&mut self.led) {
-            self.state.set_position(node as usize, target);
-            self.state.set_velocity(node as usize, DVec3::ZERO);
+        let led = std::mem::take(&mut self.led);
+        if self.is_enabled() {
+            for (node, target) in led {
+                self.state.set_position(node as usize, target);
+                self.state.set_velocity(node as usize, DVec3::ZERO);
+            }
         }
         for (_, once) in &mut self.node_forces {
             *once = Vector::ZERO;
         }
     }
 
+    /// Remembers what [`Self::go_back`] goes back to.
+    pub(super) fn back_up(&mut self) {
+        self.backup.clone_from(&self.state);
+        self.work_backup = self.solver.work;
+    }
+
+    /// Back to the start of the rigid step: positions, velocities, what flowed and broke, and the work done.
+    pub(super) fn go_back(&mut self) {
+        self.state.clone_from(&self.backup);
+        self.solver.work = self.work_backup;
+        self.solver.events.clear();
+        self.rebuild_table();
+        self.solver.forget_forces();
+    }
+
     /// Back to the start of the rigid step, at rest, out of the simulation.
     pub(super) fn freeze(&mut self) {
-        self.state.clone_from(&self.backup);
-        for particle in &mut self.state.particles {
-            particle.v = [0.0; 3];
-        }
+        self.go_back();
+        self.edit(|body| {
+            for particle in &mut body.state.particles {
+                particle.v = [0.0; 3];
+            }
+        });
         self.frozen = true;
     }
 

@@ -67,7 +67,7 @@ impl DeformableWorld {
         let mut groups: BTreeMap<usize, Group> = BTreeMap::new();
         let around = parts.surroundings();
         for (i, reach) in reaches.into_iter().enumerate() {
-            let group = groups.entry(group_of[i]).or_insert_with(Group::new);
+            let group = groups.entry(group_of[i]).or_insert_with(Group::empty);
             let Some(body) = self.take(reach.handle) else {
                 continue;
             };

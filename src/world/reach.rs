@@ -35,8 +35,9 @@ fn point_speed(body: &RigidBody) -> f64 {
     f64::from(body.linvel().length()) + f64::from(body.angvel().length()) * extent
 }
 
-/// What the BVH knew of each collider at its last update, by slot: generation, enabled, local bounds.
-pub(super) type Known = Vec<Option<(u32, bool, Aabb)>>;
+/// What the BVH knew of each collider at its last update, by slot: generation, enabled, local bounds, and the pose of one
+/// without a body.
+pub(super) type Known = Vec<Option<(u32, bool, Aabb, Option<Pose>)>>;
 
 /// The colliders that Rapier's BVH does not know as they are now. They count as known from then on, because a Rapier step
 /// follows.
@@ -52,6 +53,7 @@ pub(super) fn strays(known: &mut Known, parts: &RapierParts) -> Vec<ColliderHand
             generation,
             collider.is_enabled(),
             collider.shape().compute_local_aabb(),
+            collider.parent().is_none().then(|| *collider.position()),
         );
         let moved = true_pose(collider, parts) != *collider.position();
         if known[index] != Some(now) || moved {

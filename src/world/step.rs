@@ -8,6 +8,7 @@ use super::report::{StepReport, note};
 use super::substep::{Group, Settings};
 use super::{DeformableWorld, RapierParts, reach};
 use crate::coupling::handover;
+use crate::coupling::memory::BodyMemory;
 use crate::math::{Pose, wide};
 use rapier3d::dynamics::{IntegrationParameters, RigidBodyHandle, RigidBodySet};
 use rapier3d::pipeline::{EventHandler, PhysicsHooks, PhysicsWorld};
@@ -141,12 +142,16 @@ impl DeformableWorld {
     ) {
         self.drop_stale_attachments(parts);
         self.wake_on_new_gravity(parts);
+        for (_, attachment) in self.attachments.iter_mut() {
+            (attachment.force, attachment.torque) = Default::default();
+        }
         let defaults = self.params;
         for (_, body) in self.bodies.iter_mut().filter(|(_, b)| b.is_enabled()) {
             body.defaults = defaults;
             body.state.recentre(parts.length_unit());
+            body.solver.time = self.time;
             body.prepare(parts.gravity, left);
-            body.backup.clone_from(&body.state);
+            body.back_up();
         }
         let mut parity = self.parity;
         for mut group in self.form_groups(parts, dt) {
@@ -221,7 +226,7 @@ impl DeformableWorld {
                 log::warn!("deformable {handle:?} became non-finite and was frozen");
                 note(&mut self.report.frozen, *handle);
             } else {
-                body.state.clone_from(&body.backup);
+                body.go_back();
             }
             body.slots.fill(u32::MAX);
         }
@@ -243,10 +248,12 @@ impl DeformableWorld {
             near,
         } in std::mem::take(&mut self.waiting)
         {
+            let sleeping = parts.bodies.get(touched.body);
+            let sleeping = sleeping.is_some_and(|b| b.is_sleeping());
             let memory = self
                 .memory
                 .entry(touched.body.into_raw_parts())
-                .or_default();
+                .or_insert_with(|| BodyMemory::first_seen(sleeping));
             memory.seen = self.steps;
             memory.near = near;
             memory.feel(end.impulse, dt);

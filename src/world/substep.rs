@@ -57,7 +57,7 @@ pub(super) struct Settings {
 }
 
 impl Group {
-    pub fn new() -> Self {
+    pub fn empty() -> Self {
         Self {
             members: Vec::new(),
             candidates: Vec::new(),

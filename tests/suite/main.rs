@@ -1,6 +1,9 @@
 //! All tests of behaviour in one binary, so that the crate is linked once.
 
+mod api;
+mod bad_input;
 mod coupling;
+mod scenes;
 mod support;
 mod validation;
 
