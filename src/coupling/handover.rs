@@ -118,7 +118,6 @@ fn free_turn(start: &Shadow, spin_up: DVec3, share: f64, dt: f64) -> DQuat {
     let mut free = Shadow {
         spin_up,
         damping: (0.0, 0.0),
-        drift: 0.0,
         acceleration: DVec3::ZERO,
         ..*start
     };

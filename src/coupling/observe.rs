@@ -106,7 +106,6 @@ pub fn shadow(
     shadow.acceleration = acceleration * response;
     shadow.spin_up = spin_up * response;
     shadow.damping = (body.linear_damping().into(), body.angular_damping().into());
-    shadow.drift = (displacement_share(body, around.parameters) - 0.5) * dt;
     let locked = !body.locked_axes().is_empty();
     if answer == Answer::Free && !locked && body.gyroscopic_forces_enabled() {
         let inertia = inv_inertia(body).inverse();
