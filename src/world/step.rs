@@ -44,6 +44,7 @@ impl DeformableWorld {
             world.step_with_events(hooks, events);
             return;
         }
+        self.wake_sleepers_in_the_way(&mut RapierParts::from(&mut *world), dt);
         let steps = self.rigid_steps(&RapierParts::from(&mut *world), dt);
         self.report.rigid_steps = steps;
         let targets = KinematicTargets::read(&world.bodies, steps);
@@ -76,6 +77,7 @@ impl DeformableWorld {
             self.report.invalid_dt = Some(dt);
         } else if dt > 0.0 {
             self.report.rigid_steps = 1;
+            self.wake_sleepers_in_the_way(parts, dt);
             self.advance(parts, dt, dt, dt, observer);
         }
     }
@@ -107,6 +109,25 @@ impl DeformableWorld {
         substeps.max().unwrap_or(1)
     }
 
+    /// Wakes bodies that a deformable is about to hit, at twice the speed below which Rapier lets bodies sleep.
+    fn wake_sleepers_in_the_way(&self, parts: &mut RapierParts, dt: f64) {
+        let threshold = 0.1 * parts.length_unit();
+        let strays = reach::strays(&self.known, parts);
+        let search = Search {
+            parts,
+            rigid_speed: reach::fastest_rigid(parts),
+            strays: &strays,
+            dt,
+        };
+        let mut wake = Vec::new();
+        for (_, body) in self.iter().filter(|(_, b)| b.is_enabled()) {
+            wake.extend(reach::sleepers_in_the_way(body, &search, threshold));
+        }
+        for handle in wake {
+            parts.islands.wake_up(parts.bodies, handle, true);
+        }
+    }
+
     fn can_touch_awake_body(&self, parts: &RapierParts, dt: f64) -> bool {
         let awake = |h: RigidBodyHandle| {
             parts
@@ -114,8 +135,7 @@ impl DeformableWorld {
                 .get(h)
                 .is_some_and(|b| b.is_dynamic() && !b.is_sleeping() && b.is_enabled())
         };
-        // Looked up without remembering: the groups' own search must find the same strays.
-        let strays = reach::strays(&mut self.known.clone(), parts);
+        let strays = reach::strays(&self.known, parts);
         let search = Search {
             parts,
             rigid_speed: reach::fastest_rigid(parts),

@@ -34,9 +34,7 @@ fn hanging() -> (
         ],
     );
     let mut set = DeformableWorld::new();
-    let soft = set
-        .insert(DeformableBuilder::new(net))
-        .unwrap();
+    let soft = set.insert(DeformableBuilder::new(net)).unwrap();
     let held = set
         .attach(soft, &[NodeId(2), NodeId(3)], rigid, &world.bodies)
         .unwrap();

@@ -47,6 +47,42 @@ fn fast_block_into_a_free_box() {
     close("velocity after [m/s]", speeds[0], speeds[1], 0.03);
 }
 
+/// The same blow on a box that is asleep: it wakes in time and gets all of it.
+#[test]
+fn fast_block_into_a_sleeping_box() {
+    let speed = |asleep: bool| {
+        let mut world = weightless(1.0 / 60.0);
+        let (body, _) = world.insert(
+            RigidBodyBuilder::dynamic()
+                .translation(Vector::new(0.7, 0.0, 0.0))
+                .can_sleep(asleep),
+            cuboid([0.2; 3], 5.0),
+        );
+        for _ in 0..60 {
+            world.step();
+        }
+        assert_eq!(world.bodies[body].is_sleeping(), asleep);
+        let mut deformables = Mode::Shipped.deformables();
+        let soft = deformables
+            .insert(block(4.0, 1e6).linvel(Vector::new(20.0, 0.0, 0.0)))
+            .unwrap();
+        let before = deformables[soft].momentum();
+        for _ in 0..30 {
+            deformables.step(&mut world);
+        }
+        let after = momentum(&world) + deformables[soft].momentum();
+        let error = (after - before).length() / before.length();
+        assert!(error < 1e-5, "momentum off by {error}");
+        f64::from(world.bodies[body].linvel().x)
+    };
+    close(
+        "velocity after [m/s], asleep against awake",
+        speed(true),
+        speed(false),
+        1e-3,
+    );
+}
+
 /// A 10 kg block, E = 1 MPa, at 20 m/s into a pair of boxes, 5 + 15 kg, welded by a fixed joint; and into one body of
 /// 20 kg, which is what the pair ought to be.
 #[test]
