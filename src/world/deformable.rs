@@ -655,8 +655,15 @@ impl Deformable {
         let count = |h: f64| ((dt / h).ceil() as usize).max(1);
         let share = |n: usize| ((n as f64 * dt / frame).round() as usize).max(1);
         match self.substeps() {
+            // A scheme that became unstable at every substep, or a budget that lost its bounds, after insertion: no number
+            // is right, so a moderate one is taken and reported.
+            Substeps::Auto { safety, min_h }
+                if stable.never || safety.is_nan() || safety <= 0.0 || min_h.is_nan() =>
+            {
+                (count(1e-4), true)
+            }
             Substeps::Auto { safety, min_h } => {
-                let n = count((stable.h * safety).max(min_h.max(1e-12)));
+                let n = count((stable.h * safety).max(min_h).max(1e-9));
                 (n, dt / n as f64 > stable.h * (1.0 + 1e-9))
             }
             Substeps::Fixed(n) => {
