@@ -46,7 +46,10 @@ impl BodyRecord {
     ) -> Result<(), CsvError> {
         let lengths: Vec<f64> = self.edges.windows(2).map(|t| t[1] - t[0]).collect();
         let mut columns: Columns = vec![
-            ("time_s".into(), self.edges.iter().skip(1).copied().collect()),
+            (
+                "time_s".into(),
+                self.edges.iter().skip(1).copied().collect(),
+            ),
             ("substep_s".into(), lengths.clone()),
         ];
         for channel in &self.channels {
