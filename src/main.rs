@@ -211,7 +211,7 @@ fn draw_plots(scene: &Scene, run: &Run, out: &Path) -> Result<(), Failure> {
 }
 
 fn draw_pictures(run: &Run, out: &Path) -> Result<(), Failure> {
-    let mut stage = Stage::framing(&run.frames, Vector::new(-0.35, 0.42, 1.0), [1000, 620]);
+    let mut stage = Stage::framing(&run.frames, Vector::new(-0.05, 0.38, 1.0), [1000, 560]);
     stage.ground = run.cast.collider("ground");
     stage.parts = run.cast.parts.clone();
     let plastic = run.frames.iter().flat_map(|f| &f.bodies);

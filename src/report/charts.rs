@@ -32,7 +32,7 @@ pub fn filtered(
     })
 }
 
-/// The energies of a deformable over time, in kJ; terms that stay below a thousandth of the largest are left out. The
+/// The energies of a deformable over time, in kJ; terms that stay below half a hundredth of the largest are left out. The
 /// balance is drawn too: a straight line.
 pub fn energies(title: &str, record: &BodyRecord) -> Plot {
     let lines = record.energy_lines();
@@ -45,7 +45,7 @@ pub fn energies(title: &str, record: &BodyRecord) -> Plot {
         y_label: "energy [kJ]".into(),
         series: lines
             .into_iter()
-            .filter(|(_, values)| largest(values) > 1.0e-3 * all)
+            .filter(|(_, values)| largest(values) > 5.0e-3 * all)
             .map(|(name, values)| Series {
                 name: name.into(),
                 x: x.clone(),

@@ -14,6 +14,9 @@ use crate::record::frame::{Frame, FrameBody, FrameCollider};
 use rapier3d::geometry::{ColliderHandle, TypedShape};
 use std::ops::Range;
 
+/// Share of a picture's width that is left to the colour scale \[1\].
+const LEGEND: Real = 0.16;
+
 /// How the frames of a run are drawn.
 #[derive(Clone, Debug)]
 pub struct Stage {
@@ -56,12 +59,21 @@ impl Stage {
         } else {
             (Vector::splat(-1.0), Vector::ONE)
         };
+        let aspect = size[0] as Real / size[1].max(1) as Real;
+        let mut camera = Camera::framing(lo, hi, from, aspect * (1.0 - LEGEND));
+        // Aside, so that the colour scale stands beside what moves and not over it.
+        let along = camera.target - camera.eye;
+        let width = 2.0 * along.length() * (0.5 * camera.fov_y).tan() * aspect;
+        if let Some(right) = along.cross(camera.up).try_normalize() {
+            camera.eye += right * (0.5 * LEGEND * width);
+            camera.target += right * (0.5 * LEGEND * width);
+        }
         Self {
-            camera: Camera::framing(lo, hi, from, size[0] as Real / size[1].max(1) as Real),
+            camera,
             size,
             parts: Vec::new(),
             ground: None,
-            max_strain: 0.6,
+            max_strain: 0.4,
         }
     }
 

@@ -27,7 +27,7 @@ pub const SCENE: Scene = Scene {
 
 /// A rubber foam: soft enough to be seen to give, damped enough to come to rest.
 fn foam() -> Material {
-    Material::elastic(0.3e6, 120.0).viscosity(1.2e3)
+    Material::elastic(0.1e6, 100.0).viscosity(1.2e3)
 }
 
 fn build(options: &Options) -> Result<Run, SceneError> {
@@ -47,9 +47,9 @@ fn build(options: &Options) -> Result<Run, SceneError> {
         );
         cast.rigid.push((name.into(), Some(body), collider));
     };
-    boxes("above_1", Vector::new(-1.55, 1.10, -0.25), 0.15, 10.0);
-    boxes("above_2", Vector::new(-1.05, 1.40, 0.20), 0.15, 20.0);
-    boxes("above_3", Vector::new(-0.95, 1.20, -0.28), 0.10, 3.0);
+    boxes("above_1", Vector::new(-1.55, 0.70, -0.20), 0.17, 20.0);
+    boxes("above_2", Vector::new(-0.95, 0.90, -0.20), 0.17, 40.0);
+    boxes("above_3", Vector::new(-1.25, 0.75, 0.30), 0.12, 5.0);
     boxes("below_1", Vector::new(0.95, 0.20, -0.25), 0.20, 30.0);
     boxes("below_2", Vector::new(1.55, 0.20, -0.25), 0.20, 30.0);
     boxes("below_3", Vector::new(1.25, 0.20, 0.28), 0.20, 30.0);
@@ -109,9 +109,9 @@ fn figures(run: &Run) -> Result<Figures, SceneError> {
         f.add(key, label, y, "m");
     }
     for (name, key, label) in [
-        ("above_1", "box_10kg_height_m", "box of 10 kg, rest height"),
-        ("above_2", "box_20kg_height_m", "box of 20 kg, rest height"),
-        ("above_3", "box_3kg_height_m", "box of 3 kg, rest height"),
+        ("above_1", "box_20kg_height_m", "box of 20 kg, rest height"),
+        ("above_2", "box_40kg_height_m", "box of 40 kg, rest height"),
+        ("above_3", "box_5kg_height_m", "box of 5 kg, rest height"),
     ] {
         let body = run.cast.rigid(name).and_then(|h| run.world.bodies.get(h));
         let y = body.map_or(0.0, |b| f64::from(b.translation().y));
@@ -130,7 +130,13 @@ fn figures(run: &Run) -> Result<Figures, SceneError> {
     let asleep = bodies.iter().filter(|b| b.is_sleeping()).count();
     f.add("asleep", "boxes asleep", asleep as f64, "");
     f.add("boxes", "boxes", bodies.len() as f64, "");
-    run.common_figures(&mut f)?;
+    f.add(
+        "max_penetration_m",
+        "deepest node",
+        run.recorder.max_depth(),
+        "m",
+    );
+    run.common_figures(&mut f);
     Ok(f)
 }
 

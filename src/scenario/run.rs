@@ -1,6 +1,6 @@
 //! A scene that runs: the two worlds, the recorder, and names for what takes part.
 
-use super::{Figures, Options, SceneError};
+use super::{Figures, Options};
 use crate::math::Real;
 use crate::record::{Frame, Recorder};
 use crate::world::{AttachmentHandle, DeformableHandle, DeformableWorld};
@@ -151,11 +151,8 @@ impl Run {
         }
     }
 
-    /// Largest energy residual, momentum closure, penetration, counts and cost: what every scene reports.
-    ///
-    /// # Errors
-    /// None so far.
-    pub fn common_figures(&self, f: &mut Figures) -> Result<(), SceneError> {
+    /// Largest energy residual, momentum closure, counts and cost: what every scene reports.
+    pub fn common_figures(&self, f: &mut Figures) {
         let bodies = self.deformables.iter();
         let (nodes, springs) = bodies.fold((0, 0), |(n, s), (_, b)| {
             (n + b.node_count(), s + b.spring_count())
@@ -168,7 +165,6 @@ impl Run {
             r.momentum_closure(),
             "",
         );
-        f.add("max_penetration_m", "deepest node", r.max_depth(), "m");
         f.add(
             "coupling_defect_j",
             "coupling defect",
@@ -186,6 +182,5 @@ impl Run {
         f.add("wall_s", "wall clock", self.wall_s, "s");
         let rate = self.spring_updates as f64 / self.wall_s.max(f64::MIN_POSITIVE);
         f.add("spring_updates_per_second", "spring updates", rate, "1/s");
-        Ok(())
     }
 }

@@ -7,8 +7,8 @@
 use super::car::{self, Car};
 use super::{Cast, Figures, Options, Run, Scene, SceneError};
 use crate::math::{Real, Vector};
-use crate::record::{BodyRecord, Cfc, NodeSet, Resampled};
-use crate::world::{DeformableWorld, Substeps};
+use crate::record::{BodyRecord, Cfc, Interface, NodeSet, Resampled, SignalError};
+use crate::world::{DeformableWorld, Energies, Substeps};
 use rapier3d::dynamics::{CoefficientCombineRule, RigidBodyBuilder};
 use rapier3d::geometry::{ColliderBuilder, Group, InteractionGroups, InteractionTestMode};
 use rapier3d::pipeline::PhysicsWorld;
@@ -43,14 +43,14 @@ const G: f64 = 9.80665;
 const CRATE: Real = 0.22;
 const CRATE_MASS: Real = 12.0;
 const CRATES: [[Real; 3]; 8] = [
-    [-0.24, 0.0, -1.08],
-    [-0.70, 0.0, -1.12],
-    [-0.24, 0.0, -1.54],
-    [-0.70, 0.0, -1.58],
-    [-0.24, 1.0, -1.10],
-    [-0.24, 1.0, -1.56],
-    [-0.70, 1.0, -1.36],
-    [-0.24, 2.0, -1.34],
+    [-0.30, 0.0, -1.125],
+    [-0.76, 0.0, -1.125],
+    [-0.30, 0.0, -1.60],
+    [-0.76, 0.0, -1.60],
+    [-0.53, 1.0, -1.095],
+    [-0.30, 1.0, -1.60],
+    [-0.76, 1.0, -1.60],
+    [-0.53, 2.0, -1.36],
 ];
 
 fn build(options: &Options) -> Result<Run, SceneError> {
@@ -65,8 +65,8 @@ fn build(options: &Options) -> Result<Run, SceneError> {
     );
     cast.rigid.push(("ground".into(), None, ground));
     let (_, wall) = world.insert(
-        RigidBodyBuilder::fixed().translation(Vector::new(0.4, 1.0, 0.0)),
-        ColliderBuilder::cuboid(0.4, 1.0, 2.0).friction(0.4),
+        RigidBodyBuilder::fixed().translation(Vector::new(0.3, 0.9, 0.0)),
+        ColliderBuilder::cuboid(0.3, 0.9, 1.9).friction(0.4),
     );
     cast.rigid.push(("wall".into(), None, wall));
     for (i, [x, level, z]) in CRATES.into_iter().enumerate() {
@@ -140,9 +140,7 @@ pub fn wall_force(run: &Run) -> Result<Resampled, SceneError> {
         .collider("wall")
         .ok_or(SceneError::Missing("wall"))?;
     let force = run.recorder.collider_force(wall, 0, BIN);
-    Ok(force
-        .map_err(crate::record::SignalError::from)?
-        .scaled(-1.0))
+    Ok(force.map_err(SignalError::from)?.scaled(-1.0))
 }
 
 /// Deceleration of the cabin \[m/s²\].
@@ -151,7 +149,7 @@ pub fn wall_force(run: &Run) -> Result<Resampled, SceneError> {
 /// [`SceneError::Missing`] for a run of another scene.
 pub fn cabin_deceleration(run: &Run) -> Result<Resampled, SceneError> {
     let a = run.recorder.acceleration(set(run, "cabin")?, 0, BIN);
-    Ok(a.map_err(crate::record::SignalError::from)?.scaled(-1.0))
+    Ok(a.map_err(SignalError::from)?.scaled(-1.0))
 }
 
 fn set<'a>(run: &'a Run, name: &str) -> Result<&'a NodeSet, SceneError> {
@@ -177,7 +175,7 @@ fn figures(run: &Run) -> Result<Figures, SceneError> {
         .ok_or(SceneError::Missing("wall"))?;
     let cabin = &set(run, "cabin")?.history;
     let touched = record
-        .find(crate::record::Interface::Collider(wall))
+        .find(Interface::Collider(wall))
         .and_then(|c| c.touched);
     let [begin, end] = touched.ok_or(SceneError::Missing("contact with the wall"))?;
     let at = |t: f64| {
@@ -200,7 +198,7 @@ fn figures(run: &Run) -> Result<Figures, SceneError> {
     let approach = cabin.velocities[contact].x;
     let rebound = -whole_velocity(run, record);
     let deceleration = cabin_deceleration(run)?;
-    let signal = crate::record::SignalError::from;
+    let signal = SignalError::from;
     let decel = deceleration.filtered(Cfc::Cfc60).map_err(signal)?.peak();
     let raw = wall_force(run)?;
     let force = raw.filtered(Cfc::Cfc60).map_err(signal)?.peak();
@@ -248,7 +246,7 @@ fn figures(run: &Run) -> Result<Figures, SceneError> {
         last(record, |e| e.work.damping),
         "J",
     );
-    let set = shortening(run, x0)?;
+    let set = shortening(run)?;
     f.add("shortening_m", "bumper to B-pillar, lasting", set, "m");
     f.add("mass_kg", "mass", record.mass + car::ENGINE_MASS, "kg");
     let pushed = run.cast.rigid.iter().filter(|(name, body, _)| {
@@ -256,11 +254,29 @@ fn figures(run: &Run) -> Result<Figures, SceneError> {
         name.starts_with("crate") && body.is_some_and(|b| b.linvel().length() > 0.05)
     });
     f.add("crates_moving", "crates moving", pushed.count() as f64, "");
-    run.common_figures(&mut f)?;
+    let depth = |collider| {
+        let channel = record.find(Interface::Collider(collider));
+        channel.map_or(0.0, |c| c.max_depth)
+    };
+    f.add(
+        "max_penetration_m",
+        "deepest node in the wall",
+        depth(wall),
+        "m",
+    );
+    let crates = run.cast.rigid.iter().filter(|r| r.0.starts_with("crate"));
+    let deepest = crates.map(|r| depth(r.2)).fold(0.0, f64::max);
+    f.add(
+        "crate_penetration_m",
+        "deepest node in a crate",
+        deepest,
+        "m",
+    );
+    run.common_figures(&mut f);
     Ok(f)
 }
 
-fn last(record: &BodyRecord, term: impl Fn(&crate::world::Energies) -> f64) -> f64 {
+fn last(record: &BodyRecord, term: impl Fn(&Energies) -> f64) -> f64 {
     record.ledger.last().map_or(0.0, |s| term(&s.energies))
 }
 
@@ -279,7 +295,7 @@ fn whole_velocity(run: &Run, record: &BodyRecord) -> f64 {
 }
 
 /// What the distance from the bumper to the cabin has lost at the end \[m\].
-fn shortening(run: &Run, _x0: f64) -> Result<f64, SceneError> {
+fn shortening(run: &Run) -> Result<f64, SceneError> {
     let (front, cabin) = (&set(run, "front")?.history, &set(run, "cabin")?.history);
     let length = |i: usize| front.positions[i].x - cabin.positions[i].x;
     Ok(length(0) - length(cabin.positions.len() - 1))
