@@ -73,11 +73,10 @@ fn build(options: &Options) -> Result<Run, SceneError> {
         cast.deformables.push((name.into(), handle));
     }
     let mut run = Run::new(world, deformables, cast, options);
-    run.frame_times = [0.0, 0.2, 0.4, 0.6, 1.0, 1.0]
+    run.frame_times = [0.0, 0.05, 0.075, 0.1, 0.25, 1.0]
         .into_iter()
         .map(|share: f64| share * options.duration)
         .collect();
-    run.frame_times.dedup();
     // Long and calm: what matters changes slowly.
     run.recorder.sampling.history = 2.0e-3;
     run.recorder.sampling.energy = 1.0e-2;
