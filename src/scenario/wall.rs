@@ -248,6 +248,12 @@ fn figures(run: &Run) -> Result<Figures, SceneError> {
     );
     let set = shortening(run)?;
     f.add("shortening_m", "bumper to B-pillar, lasting", set, "m");
+    f.add(
+        "cabin_strain",
+        "plastic strain of the cabin, mean",
+        cabin_strain(run),
+        "",
+    );
     f.add("mass_kg", "mass", record.mass + car::ENGINE_MASS, "kg");
     let pushed = run.cast.rigid.iter().filter(|(name, body, _)| {
         let body = body.and_then(|b| run.world.bodies.get(b));
@@ -299,4 +305,18 @@ fn shortening(run: &Run) -> Result<f64, SceneError> {
     let (front, cabin) = (&set(run, "front")?.history, &set(run, "cabin")?.history);
     let length = |i: usize| front.positions[i].x - cabin.positions[i].x;
     Ok(length(0) - length(cabin.positions.len() - 1))
+}
+
+/// Mean plastic strain of the springs at the cabin's nodes at the end.
+fn cabin_strain(run: &Run) -> f64 {
+    let Ok(set) = set(run, "cabin") else {
+        return 0.0;
+    };
+    let strain = run
+        .deformables
+        .get(set.deformable)
+        .map(|b| b.node_plastic_strain())
+        .unwrap_or_default();
+    let values = set.nodes.iter().filter_map(|n| strain.get(n.index()));
+    values.map(|s| f64::from(*s)).sum::<f64>() / set.nodes.len().max(1) as f64
 }
