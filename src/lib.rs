@@ -19,6 +19,8 @@ pub mod math;
 pub mod record;
 #[cfg(feature = "report")]
 pub mod report;
+#[cfg(feature = "scenario")]
+pub mod scenario;
 pub mod solve;
 pub mod world;
 

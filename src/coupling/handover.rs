@@ -138,6 +138,8 @@ pub fn after_step(
 ) -> f64 {
     match pending.answer {
         Answer::None => return 0.0,
+        // Rapier has put it to sleep in this step and its velocity to zero: it stays that way.
+        Answer::Free if body.is_sleeping() => return 0.0,
         Answer::Free => {
             body.apply_impulse(narrow(end.impulse - pending.given.0), false);
             body.apply_torque_impulse(narrow(end.torque - pending.given.1), false);

@@ -5,6 +5,7 @@
 //! z-buffer rasteriser of our own: a [`Camera`], a [`Mesh`], a [`Ground`], text and a [`ColorBar`].
 
 pub mod camera;
+pub mod charts;
 pub mod color;
 mod decimate;
 pub mod error;
@@ -17,6 +18,7 @@ pub mod plot;
 mod raster;
 mod shadow;
 pub mod shape;
+pub mod stage;
 pub mod table;
 pub mod text;
 
@@ -27,6 +29,7 @@ pub use ground::Ground;
 pub use mesh::Mesh;
 pub use picture::{Picture, contact_sheet};
 pub use plot::{Plot, Series, Stroke};
+pub use stage::Stage;
 pub use table::Table;
 
 #[cfg(test)]

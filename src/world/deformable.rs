@@ -381,7 +381,8 @@ impl Deformable {
         self.substeps.unwrap_or(self.defaults.substeps)
     }
 
-    pub(super) fn gravity(&self) -> DVec3 {
+    /// The acceleration of gravity that acts on it, as of its last step \[m/s²\].
+    pub fn gravity(&self) -> DVec3 {
         let g = self.solver.external.gravity;
         DVec3::new(g[0].into(), g[1].into(), g[2].into())
     }

@@ -3,6 +3,8 @@
 mod api;
 mod bad_input;
 mod coupling;
+mod fixtures;
+#[cfg(feature = "cli")]
 mod scenes;
 mod support;
 mod validation;

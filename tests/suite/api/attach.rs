@@ -117,7 +117,7 @@ fn a_kinematic_body_leads_nodes() {
     let mut world = PhysicsWorld::default();
     let hand = world.insert_body(RigidBodyBuilder::kinematic_position_based());
     let mut set = DeformableWorld::new();
-    let soft = set.insert(crate::scenes::cube(0.3)).unwrap();
+    let soft = set.insert(crate::fixtures::cube(0.3)).unwrap();
     let held = set.attach(soft, &[NodeId(0)], hand, &world.bodies).unwrap();
     let start = set[soft].position(NodeId(0)).unwrap();
     for i in 1..=60 {

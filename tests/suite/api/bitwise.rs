@@ -1,6 +1,6 @@
 //! What deformables don't touch moves bit for bit as in Rapier alone.
 
-use crate::scenes::{bits, cube};
+use crate::fixtures::{bits, cube};
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
 

@@ -1,6 +1,6 @@
 //! Forces from outside.
 
-use crate::scenes::{bead, height};
+use crate::fixtures::{bead, height};
 use crate::support::{close, weightless};
 use crumple::math::DVec3;
 use crumple::prelude::*;

@@ -1,6 +1,6 @@
 //! Handles, the set, enabling.
 
-use crate::scenes::{bead, bits, cube, floored, height};
+use crate::fixtures::{bead, bits, cube, floored, height};
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
 

@@ -1,6 +1,6 @@
 //! Kinematic bodies push deformables at their own speed.
 
-use crate::scenes::bead;
+use crate::fixtures::bead;
 use crate::support::{close, weightless};
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;

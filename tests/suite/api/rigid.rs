@@ -1,6 +1,6 @@
 //! Rigid bodies and colliders changed between steps: the very next step knows.
 
-use crate::scenes::{bead, floored, height};
+use crate::fixtures::{bead, floored, height};
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
 

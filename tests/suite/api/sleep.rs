@@ -1,6 +1,6 @@
 //! Rigid bodies asleep on deformables, and what must wake them.
 
-use crate::scenes::{cube, floored};
+use crate::fixtures::{cube, floored};
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
 

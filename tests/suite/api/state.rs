@@ -1,6 +1,6 @@
 //! Poses, velocities and nodes, set from outside.
 
-use crate::scenes::{bead, cube, floored, height};
+use crate::fixtures::{bead, cube, floored, height};
 use crumple::math::DVec3;
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;

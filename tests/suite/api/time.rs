@@ -1,6 +1,6 @@
 //! Time steps of every kind, runs that repeat, and the user's own loop.
 
-use crate::scenes::{bead, bits, cube, floored, height};
+use crate::fixtures::{bead, bits, cube, floored, height};
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
 use crumple::world::RapierParts;

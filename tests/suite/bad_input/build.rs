@@ -1,6 +1,6 @@
 //! Every error of building, inserting and attaching, with the element and the value it names.
 
-use crate::scenes::{bead, pair};
+use crate::fixtures::{bead, pair};
 use crumple::body::{Binding, Net, Node, Skin};
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;

@@ -1,6 +1,6 @@
 //! Setters that are given nonsense say so and change nothing.
 
-use crate::scenes::{cube, pair};
+use crate::fixtures::{cube, pair};
 use crumple::body::BuildError;
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;

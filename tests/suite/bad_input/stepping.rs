@@ -1,6 +1,6 @@
 //! A step with a dt that is none, and bodies that turn non-finite: contained and reported, everything else goes on.
 
-use crate::scenes::{all_finite, bead, bits, cube, floored};
+use crate::fixtures::{all_finite, bead, bits, cube, floored};
 use crumple::body::{Net, Node};
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;

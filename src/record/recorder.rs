@@ -1,0 +1,263 @@
+//! The recorder: an observer that keeps channels, histories, ledgers and events.
+//!
+//! It only reads, so a run gives the same hash with it and without it. Everything is kept in memory until the run is over;
+//! events are capped and counted, because a body of fifty thousand springs can yield fifty thousand times.
+
+use super::body::BodyRecord;
+use super::channel::Interface;
+use super::filter::{Cfc, FilterError};
+use super::history::{Moments, NodeSet};
+use super::resample::{ResampleError, Resampled, resample};
+use crate::body::NodeId;
+use crate::world::{
+    Deformable, DeformableHandle, DeformableWorld, Observer, SpringEvent, SpringEventKind, Substep,
+};
+use rapier3d::geometry::ColliderHandle;
+
+/// How often things are sampled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sampling {
+    /// Between samples of momentum, bounds and node sets \[s\]; never more often than there are substeps.
+    pub history: f64,
+    /// Between samples of the energies \[s\].
+    pub energy: f64,
+    /// Most events that are kept; all are counted.
+    pub events: usize,
+}
+
+impl Default for Sampling {
+    fn default() -> Self {
+        Self {
+            history: 1.0e-4,
+            energy: 1.0e-3,
+            events: 100_000,
+        }
+    }
+}
+
+/// Why something can't be recorded.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RecordError {
+    /// The deformable is not in the world.
+    #[error("there is no deformable {0:?} in this world")]
+    UnknownDeformable(DeformableHandle),
+    /// A set of nodes that has none.
+    #[error("the node set `{0}` has no nodes")]
+    NoNodes(String),
+}
+
+/// Why a recording gives no signal.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SignalError {
+    /// It can't be brought to even spacing.
+    #[error(transparent)]
+    Resample(#[from] ResampleError),
+    /// It can't be filtered.
+    #[error(transparent)]
+    Filter(#[from] FilterError),
+}
+
+/// Records a run.
+#[derive(Clone, Debug, Default)]
+pub struct Recorder {
+    /// How often things are sampled.
+    pub sampling: Sampling,
+    /// One record per deformable, in the order of first sight.
+    pub bodies: Vec<BodyRecord>,
+    /// Node sets that are followed.
+    pub sets: Vec<NodeSet>,
+    /// The first [`Sampling::events`] events.
+    pub events: Vec<SpringEvent>,
+    /// How many springs have begun to yield.
+    pub yielded: u64,
+    /// How many springs have broken.
+    pub broken: u64,
+}
+
+impl Recorder {
+    /// A recorder with the usual sampling.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Takes the present state of all deformables as the beginning. A deformable that is not there yet begins at the end
+    /// of its first substep.
+    pub fn begin(&mut self, world: &DeformableWorld) {
+        for (handle, body) in world.iter() {
+            self.place(handle, body, world.time());
+        }
+    }
+
+    fn place(&mut self, handle: DeformableHandle, body: &Deformable, time: f64) -> (usize, bool) {
+        if let Some(i) = self.bodies.iter().position(|b| b.deformable == handle) {
+            return (i, false);
+        }
+        self.bodies.push(BodyRecord::new(handle, body, time));
+        (self.bodies.len() - 1, true)
+    }
+
+    /// Follows the mean of a set of nodes from now on; returns its index in [`Self::sets`].
+    ///
+    /// # Errors
+    /// [`RecordError`] for an unknown deformable or a set without existing nodes.
+    pub fn follow(
+        &mut self,
+        name: impl Into<String>,
+        world: &DeformableWorld,
+        deformable: DeformableHandle,
+        nodes: Vec<NodeId>,
+    ) -> Result<usize, RecordError> {
+        let body = world
+            .get(deformable)
+            .ok_or(RecordError::UnknownDeformable(deformable))?;
+        let mut set = NodeSet {
+            name: name.into(),
+            deformable,
+            nodes,
+            history: Moments::default(),
+        };
+        set.sample(body, world.time());
+        if set.history.times.is_empty() {
+            return Err(RecordError::NoNodes(set.name));
+        }
+        self.sets.push(set);
+        Ok(self.sets.len() - 1)
+    }
+
+    /// The record of a deformable.
+    pub fn body(&self, deformable: DeformableHandle) -> Option<&BodyRecord> {
+        self.bodies.iter().find(|b| b.deformable == deformable)
+    }
+
+    /// Force that a collider exerted on all deformables along `axis` (0, 1, 2) in bins of `dt` s \[N\]; zero where it
+    /// never touched one.
+    ///
+    /// # Errors
+    /// [`ResampleError`].
+    pub fn collider_force(
+        &self,
+        collider: ColliderHandle,
+        axis: usize,
+        dt: f64,
+    ) -> Result<Resampled, ResampleError> {
+        self.force(Interface::Collider(collider), axis, dt)
+    }
+
+    /// As [`Self::collider_force`], of any interface.
+    ///
+    /// # Errors
+    /// [`ResampleError`].
+    pub fn force(
+        &self,
+        interface: Interface,
+        axis: usize,
+        dt: f64,
+    ) -> Result<Resampled, ResampleError> {
+        let mut sum: Option<Resampled> = None;
+        for body in &self.bodies {
+            let Some(channel) = body.find(interface) else {
+                continue;
+            };
+            let force = channel.force(&body.edges, axis, dt)?;
+            match &mut sum {
+                None => sum = Some(force),
+                Some(sum) => {
+                    for (s, f) in sum.values.iter_mut().zip(&force.values) {
+                        *s += f;
+                    }
+                }
+            }
+        }
+        match (sum, self.bodies.first()) {
+            (Some(sum), _) => Ok(sum),
+            (None, Some(body)) => {
+                resample(&body.edges, &vec![0.0; body.edges.len().max(1) - 1], dt)
+            }
+            (None, None) => resample(&[], &[], dt),
+        }
+    }
+
+    /// Acceleration of a node set along `axis` in bins of `dt` s \[m/s²\].
+    ///
+    /// # Errors
+    /// [`ResampleError`].
+    pub fn acceleration(
+        &self,
+        set: &NodeSet,
+        axis: usize,
+        dt: f64,
+    ) -> Result<Resampled, ResampleError> {
+        resample(&set.history.times, &set.history.accelerations(axis), dt)
+    }
+
+    /// Deepest that any node was in any collider \[m\].
+    pub fn max_depth(&self) -> f64 {
+        let channels = self.bodies.iter().flat_map(|b| &b.channels);
+        channels.map(|c| c.max_depth).fold(0.0, f64::max)
+    }
+
+    /// Largest energy residual of any deformable \[1\].
+    pub fn max_residual(&self) -> f64 {
+        let residuals = self.bodies.iter().map(BodyRecord::max_residual);
+        residuals.fold(0.0, f64::max)
+    }
+
+    /// Largest momentum closure error of any deformable \[1\].
+    pub fn momentum_closure(&self) -> f64 {
+        let errors = self.bodies.iter().map(|b| b.closure.error());
+        errors.fold(0.0, f64::max)
+    }
+}
+
+impl Resampled {
+    /// The same channel, filtered.
+    ///
+    /// # Errors
+    /// [`FilterError`].
+    pub fn filtered(&self, class: Cfc) -> Result<Resampled, FilterError> {
+        Ok(Resampled {
+            times: self.times.clone(),
+            values: class.filter(self.dt, &self.values)?,
+            dt: self.dt,
+        })
+    }
+
+    /// Time and value of the largest value; zeros for an empty channel.
+    pub fn peak(&self) -> (f64, f64) {
+        let pairs = self.times.iter().copied().zip(self.values.iter().copied());
+        pairs.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default()
+    }
+
+    /// Every value times `factor`.
+    pub fn scaled(mut self, factor: f64) -> Resampled {
+        for value in &mut self.values {
+            *value *= factor;
+        }
+        self
+    }
+}
+
+impl Observer for Recorder {
+    fn substep(&mut self, substep: &Substep) {
+        for (handle, body) in substep.deformables {
+            let (i, new) = self.place(*handle, body, substep.time);
+            if !new && self.bodies[i].substep(body, substep, &self.sampling) {
+                for set in self.sets.iter_mut().filter(|s| s.deformable == *handle) {
+                    set.sample(body, substep.time);
+                }
+            }
+        }
+    }
+
+    fn event(&mut self, event: &SpringEvent) {
+        match event.kind {
+            SpringEventKind::YieldBegan => self.yielded += 1,
+            SpringEventKind::Broke => self.broken += 1,
+        }
+        if self.events.len() < self.sampling.events {
+            self.events.push(*event);
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! Worlds with a recorder and figures, ready to run.
+//!
+//! A scene is defined once and used by tests, examples, benches and the command line, so that the picture in the
+//! documentation, the number in a test and what a user sees are the same run. What may vary without its being another
+//! scene (step, substeps, cells, duration) is in [`Options`]; everything else is the scene.
+
+pub mod car;
+pub mod catalog;
+pub mod drop;
+pub mod figures;
+pub mod run;
+pub mod wall;
+
+pub use catalog::{UnknownScene, all, find};
+pub use figures::{Figure, Figures};
+pub use run::{Cast, Run};
+
+use crate::body::BuildError;
+use crate::import::ImportError;
+use crate::record::{RecordError, SignalError};
+use crate::world::AttachError;
+
+/// What may vary in a scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Step of the world \[s\].
+    pub dt: f64,
+    /// Simulated time \[s\].
+    pub duration: f64,
+    /// Fraction of the longest stable substep that is used, in (0, 1].
+    pub safety: f64,
+    /// Cell of the lattices \[m\].
+    pub cell: f64,
+}
+
+/// A scene of the catalog.
+#[derive(Clone, Copy, Debug)]
+pub struct Scene {
+    /// Its name on the command line.
+    pub name: &'static str,
+    /// What happens in it, in one line.
+    pub about: &'static str,
+    /// Its usual options.
+    pub options: Options,
+    /// Builds it.
+    build: fn(&Options) -> Result<Run, SceneError>,
+    /// Evaluates a finished run.
+    figures: fn(&Run) -> Result<Figures, SceneError>,
+}
+
+/// Why a scene can't be built or evaluated.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// An option is out of range.
+    #[error("{what} is {value}, it must be {must}")]
+    Option {
+        /// Which.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        must: &'static str,
+    },
+    /// A mesh can't be read.
+    #[error(transparent)]
+    Import(#[from] ImportError),
+    /// A body can't be built.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// Something can't be attached.
+    #[error(transparent)]
+    Attach(#[from] AttachError),
+    /// Something can't be recorded.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// A recording gives no signal.
+    #[error(transparent)]
+    Signal(#[from] SignalError),
+    /// The run lacks something its figures are about.
+    #[error("the run has no {0}")]
+    Missing(&'static str),
+}
+
+impl Scene {
+    /// Builds the scene, ready to be stepped.
+    ///
+    /// # Errors
+    /// [`SceneError::Option`] for an option out of range, and whatever building can fail with.
+    pub fn build(&self, options: &Options) -> Result<Run, SceneError> {
+        for (what, value, most) in [
+            ("the step dt", options.dt, 0.1),
+            ("the duration", options.duration, 60.0),
+            ("the safety factor of the substep", options.safety, 1.0),
+            ("the cell", options.cell, 1.0),
+        ] {
+            if !(value > 0.0 && value <= most) {
+                let must = match what {
+                    "the step dt" => "above 0 and at most 0.1 s",
+                    "the duration" => "above 0 and at most 60 s",
+                    "the cell" => "above 0 and at most 1 m",
+                    _ => "above 0 and at most 1",
+                };
+                return Err(SceneError::Option { what, value, must });
+            }
+        }
+        (self.build)(options)
+    }
+
+    /// The figures of a run of this scene.
+    ///
+    /// # Errors
+    /// [`SceneError`] where a channel can't be evaluated.
+    pub fn figures(&self, run: &Run) -> Result<Figures, SceneError> {
+        (self.figures)(run)
+    }
+}

@@ -1,0 +1,186 @@
+//! A scene that runs: the two worlds, the recorder, and names for what takes part.
+
+use super::{Figures, Options};
+use crate::math::Real;
+use crate::record::{Frame, Recorder};
+use crate::world::{AttachmentHandle, DeformableHandle, DeformableWorld};
+use rapier3d::dynamics::RigidBodyHandle;
+use rapier3d::geometry::ColliderHandle;
+use rapier3d::pipeline::PhysicsWorld;
+use std::ops::Range;
+use std::time::Instant;
+
+/// What takes part in a scene, by name.
+#[derive(Clone, Debug, Default)]
+pub struct Cast {
+    /// Deformables.
+    pub deformables: Vec<(String, DeformableHandle)>,
+    /// Rigid bodies with their colliders; the fixed ones have no body.
+    pub rigid: Vec<(String, Option<RigidBodyHandle>, ColliderHandle)>,
+    /// Attachments.
+    pub attachments: Vec<(String, AttachmentHandle)>,
+    /// Runs of the first deformable's skin triangles that are drawn in a colour of their own (glass, tyres).
+    pub parts: Vec<(String, Range<usize>)>,
+}
+
+impl Cast {
+    /// A deformable by name.
+    pub fn deformable(&self, name: &str) -> Option<DeformableHandle> {
+        let mut all = self.deformables.iter();
+        all.find(|(n, _)| n == name).map(|(_, h)| *h)
+    }
+
+    /// A collider by name.
+    pub fn collider(&self, name: &str) -> Option<ColliderHandle> {
+        let mut all = self.rigid.iter();
+        all.find(|(n, ..)| n == name).map(|(_, _, c)| *c)
+    }
+
+    /// A rigid body by name.
+    pub fn rigid(&self, name: &str) -> Option<RigidBodyHandle> {
+        let mut all = self.rigid.iter();
+        all.find(|(n, ..)| n == name).and_then(|(_, b, _)| *b)
+    }
+}
+
+/// A scene that runs.
+pub struct Run {
+    /// Rapier's world.
+    pub world: PhysicsWorld,
+    /// The deformables.
+    pub deformables: DeformableWorld,
+    /// What is recorded.
+    pub recorder: Recorder,
+    /// Who is who.
+    pub cast: Cast,
+    /// With what it was built.
+    pub options: Options,
+    /// The frames taken so far.
+    pub frames: Vec<Frame>,
+    /// When frames are taken, each at the end of the step nearest to it \[s\]; ascending.
+    pub frame_times: Vec<f64>,
+    /// Substeps of the deformable that took most.
+    pub substeps: u64,
+    /// Spring forces evaluated.
+    pub spring_updates: u64,
+    /// Work of shadows that Rapier did otherwise, summed over its absolute values \[J\].
+    pub coupling_defect: f64,
+    /// Time spent stepping \[s\], wall clock.
+    pub wall_s: f64,
+    /// Steps made.
+    pub steps: u64,
+    most: Vec<(DeformableHandle, u64)>,
+}
+
+impl Run {
+    /// Takes over a scene's worlds at the beginning; the recorder begins here.
+    pub fn new(
+        mut world: PhysicsWorld,
+        deformables: DeformableWorld,
+        cast: Cast,
+        options: &Options,
+    ) -> Self {
+        world.integration_parameters.dt = options.dt as Real;
+        let mut recorder = Recorder::new();
+        recorder.begin(&deformables);
+        Self {
+            world,
+            deformables,
+            recorder,
+            cast,
+            options: *options,
+            frames: Vec::new(),
+            frame_times: Vec::new(),
+            substeps: 0,
+            spring_updates: 0,
+            coupling_defect: 0.0,
+            wall_s: 0.0,
+            steps: 0,
+            most: Vec::new(),
+        }
+    }
+
+    /// How many steps the whole run has.
+    pub fn total_steps(&self) -> u64 {
+        ((self.options.duration / self.options.dt - 1.0e-3).ceil() as u64).max(1)
+    }
+
+    /// Makes a step; `false` once the run is over.
+    pub fn step(&mut self) -> bool {
+        self.take_frames();
+        if self.steps >= self.total_steps() {
+            return false;
+        }
+        let start = Instant::now();
+        self.deformables
+            .step_with(&mut self.world, &(), &(), &mut self.recorder);
+        self.wall_s += start.elapsed().as_secs_f64();
+        self.steps += 1;
+        let report = self.deformables.report();
+        self.spring_updates += report.spring_updates;
+        self.coupling_defect += report.coupling_defect.abs();
+        for (handle, n) in &report.substeps {
+            match self.most.iter_mut().find(|(h, _)| h == handle) {
+                Some((_, sum)) => *sum += *n as u64,
+                None => self.most.push((*handle, *n as u64)),
+            }
+        }
+        self.substeps = self.most.iter().map(|(_, n)| *n).max().unwrap_or(0);
+        true
+    }
+
+    /// Steps to the end; `progress` is told the steps made.
+    pub fn finish(&mut self, mut progress: impl FnMut(u64)) {
+        while self.step() {
+            progress(self.steps);
+        }
+    }
+
+    fn take_frames(&mut self) {
+        while let Some(&due) = self.frame_times.get(self.frames.len()) {
+            if self.deformables.time() < due - 0.5 * self.options.dt
+                && self.steps < self.total_steps()
+            {
+                return;
+            }
+            self.frames.push(Frame::take(
+                &self.deformables,
+                &self.world.bodies,
+                &self.world.colliders,
+            ));
+        }
+    }
+
+    /// Largest energy residual, momentum closure, counts and cost: what every scene reports.
+    pub fn common_figures(&self, f: &mut Figures) {
+        let bodies = self.deformables.iter();
+        let (nodes, springs) = bodies.fold((0, 0), |(n, s), (_, b)| {
+            (n + b.node_count(), s + b.spring_count())
+        });
+        let r = &self.recorder;
+        f.add("energy_residual", "energy residual", r.max_residual(), "");
+        f.add(
+            "momentum_closure",
+            "momentum closure",
+            r.momentum_closure(),
+            "",
+        );
+        f.add(
+            "coupling_defect_j",
+            "coupling defect",
+            self.coupling_defect,
+            "J",
+        );
+        f.add("springs_yielded", "springs yielded", r.yielded as f64, "");
+        f.add("springs_broken", "springs broken", r.broken as f64, "");
+        f.add("nodes", "nodes", nodes as f64, "");
+        f.add("springs", "springs", springs as f64, "");
+        f.add("steps", "steps", self.steps as f64, "");
+        f.add("substeps", "substeps", self.substeps as f64, "");
+        f.add("dt_s", "step", self.options.dt, "s");
+        f.add("simulated_s", "simulated", self.deformables.time(), "s");
+        f.add("wall_s", "wall clock", self.wall_s, "s");
+        let rate = self.spring_updates as f64 / self.wall_s.max(f64::MIN_POSITIVE);
+        f.add("spring_updates_per_second", "spring updates", rate, "1/s");
+    }
+}
