@@ -1,9 +1,13 @@
 //! The world of deformables beside a Rapier world.
 
 mod attachment;
+mod budget;
 mod builder;
 mod deformable;
+mod edit;
+mod energies;
 mod group;
+mod motion;
 mod observer;
 mod params;
 mod parts;
@@ -14,7 +18,8 @@ mod substep;
 
 pub use attachment::AttachError;
 pub use builder::{DeformableBuilder, IntoDeformable, IntoNet};
-pub use deformable::{Deformable, Energies};
+pub use deformable::Deformable;
+pub use energies::Energies;
 pub use observer::{
     AttachmentImpulse, Observer, PairImpulse, SpringEvent, SpringEventKind, Substep,
 };
