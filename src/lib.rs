@@ -1,4 +1,9 @@
-//! Crash-grade deformable bodies for Rapier.
+//! Crash-grade deformable bodies for Rapier: physical springs in, physical forces out.
+//!
+//! A [`DeformableWorld`](world::DeformableWorld) stands beside a Rapier world. Its bodies are [nets](body::Net) of point
+//! masses and springs with constants in N/m, N·s/m and N, advanced in many substeps per step, in two-way contact with
+//! Rapier's colliders, with every force and every joule accounted for. The README shows the shortest example, the scenes
+//! and the limits.
 #![warn(missing_docs)]
 #![forbid(unsafe_code)]
 
@@ -26,10 +31,14 @@ pub use body::shape;
 pub mod prelude {
     pub use crate::body::{BuildError, Material, Net, NodeId, Spring, SpringId};
     pub use crate::record::Recorder;
-    pub use crate::shape;
+    pub use crate::shape::{filled, lattice, rope, sheet};
     pub use crate::solve::Integrator;
     pub use crate::world::{
         AttachmentHandle, Deformable, DeformableBuilder, DeformableHandle, DeformableParameters,
         DeformableWorld, Observer, Substeps,
     };
 }
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

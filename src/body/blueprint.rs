@@ -58,7 +58,8 @@ impl Blueprint {
                 );
                 node.mass = density * node.volume;
             }
-            if !(node.mass.is_finite() && node.mass > 0.0) {
+            // The solver needs 1/m, which a subnormal mass does not have.
+            if !(node.mass.is_normal() && node.mass > 0.0) {
                 return Err(BuildError::Massless { node: id as u32 });
             }
         }

@@ -1,6 +1,6 @@
 //! What can be wrong with a body: which element, which value, and what would be right.
 
-use super::net::{Net, Spring};
+use super::net::{Net, Skin, Spring};
 use crate::math::{Real, Vector};
 
 /// Why a body can't be built or inserted.
@@ -212,6 +212,32 @@ pub(super) fn check_net(net: &Net) -> Result<(), BuildError> {
         for (i, binding) in skin.bindings.iter().enumerate() {
             index("skin vertex", i, &binding.nodes)?;
         }
+        check_skin(skin)?;
+    }
+    Ok(())
+}
+
+fn check_skin(skin: &Skin) -> Result<(), BuildError> {
+    let bad = |what, value, must| Err(BuildError::Value { what, value, must });
+    let vertices = skin.vertices.len();
+    if skin.bindings.len() != vertices {
+        return bad(
+            "the number of bindings of the skin",
+            skin.bindings.len() as f64,
+            "the number of its vertices",
+        );
+    }
+    let mut corners = skin.triangles.iter().flatten();
+    if let Some(&corner) = corners.find(|&&v| v as usize >= vertices) {
+        return bad(
+            "a corner of a triangle of the skin",
+            corner.into(),
+            "the index of one of its vertices",
+        );
+    }
+    let mut weights = skin.bindings.iter().flat_map(|b| b.weights);
+    if let Some(weight) = weights.find(|w| !w.is_finite()) {
+        return bad("a weight of the skin", weight.into(), "finite");
     }
     Ok(())
 }

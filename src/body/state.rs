@@ -124,7 +124,7 @@ impl<S: Scalar> State<S> {
     /// 1/1024 m and applied to high and low part together, so that no position changes.
     pub fn recentre(&mut self, limit: f64) {
         let offset = self.centre() - self.origin;
-        if !(offset.length() > limit) {
+        if offset.length() <= limit || !offset.is_finite() {
             return;
         }
         let shift = ((offset * 1024.0).round() / 1024.0)

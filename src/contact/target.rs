@@ -44,6 +44,8 @@ pub struct Target {
     pub offset: DVec3,
     /// Rotation of the collider relative to its body.
     pub turn: DQuat,
+    /// Largest distance of any of its points from the shadow's centre of mass \[m\]; huge for a half-space.
+    pub extent: f64,
     /// Combined μ.
     pub friction: f64,
     /// Rapier's contact skin \[m\].
@@ -66,6 +68,18 @@ impl Target {
             position: shadow.com + shadow.rot * self.offset,
             axes: DMat3::from_quat(shadow.rot * self.turn),
         }
+    }
+
+    /// A bound on the speed of any of its points \[m/s\].
+    pub fn speed(&self, shadow: &Shadow) -> f64 {
+        let turning = shadow.w.length();
+        // A fixed half-space has no extent to speak of, and 0·∞ is no speed.
+        let turning = if turning > 0.0 {
+            turning * self.extent
+        } else {
+            0.0
+        };
+        shadow.v.length() + turning
     }
 
     /// Signed depth (positive inside) \[m\] and outward normal in the world of a point relative to the frame's origin.
@@ -128,6 +142,8 @@ pub fn target(
         body: parent.and(collider.parent()),
         shadow: 0,
         shape,
+        extent: offset.length()
+            + f64::from(collider.shape().compute_local_bounding_sphere().radius),
         offset,
         turn,
         friction: f64::from(friction).max(0.0),

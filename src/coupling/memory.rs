@@ -8,8 +8,6 @@ use crate::math::DVec3;
 pub struct BodyMemory {
     /// Response ratio ρ in [0, 1]: 1 for a body that answers like a free one. `None` until first guessed.
     pub response: Option<f64>,
-    /// Whether the body was held by a joint or a rigid contact in the last step.
-    pub constrained: bool,
     /// Moving average of the impulse per second it receives \[N\].
     pub load: DVec3,
     /// How long it has been asleep \[s\].
@@ -28,7 +26,6 @@ impl Default for BodyMemory {
     fn default() -> Self {
         Self {
             response: None,
-            constrained: false,
             load: DVec3::ZERO,
             asleep: 0.0,
             baseline: None,
@@ -45,6 +42,15 @@ const LOAD_TIME: f64 = 0.05;
 const BASELINE_AFTER: f64 = 0.25;
 
 impl BodyMemory {
+    /// The memory of a body that no deformable has been near before. If it sleeps, nothing lay on it when it fell asleep.
+    pub fn first_seen(sleeping: bool) -> Self {
+        Self {
+            baseline: sleeping.then_some(DVec3::ZERO),
+            asleep: if sleeping { BASELINE_AFTER } else { 0.0 },
+            ..Self::default()
+        }
+    }
+
     /// Mixes the impulse of a step of `dt` s into the average.
     pub fn feel(&mut self, impulse: DVec3, dt: f64) {
         let mix = 1.0 - (-dt / LOAD_TIME).exp();

@@ -36,8 +36,10 @@ pub enum Answer {
     None,
     /// Like a free body.
     Free,
-    /// Held by joints or rigid contacts.
-    Constrained,
+    /// Held by joints, and perhaps by rigid contacts too.
+    Jointed,
+    /// Held by rigid contacts.
+    Held,
 }
 
 /// The share of an acceleration held over a Rapier step of n solver iterations that shows as displacement:
@@ -104,7 +106,6 @@ pub fn shadow(
     shadow.acceleration = acceleration * response;
     shadow.spin_up = spin_up * response;
     shadow.damping = (body.linear_damping().into(), body.angular_damping().into());
-    shadow.drift = (displacement_share(body, around.parameters) - 0.5) * dt;
     let locked = !body.locked_axes().is_empty();
     if answer == Answer::Free && !locked && body.gyroscopic_forces_enabled() {
         let inertia = inv_inertia(body).inverse();
@@ -137,21 +138,22 @@ fn velocity(body: &RigidBody, dt: f64) -> (DVec3, DVec3) {
 pub fn answer(handle: RigidBodyHandle, body: &RigidBody, around: &Surroundings) -> Answer {
     if !body.is_dynamic() || body.is_sleeping() || body.effective_dominance_group() > 0 {
         Answer::None
-    } else if is_constrained(handle, body, around) {
-        Answer::Constrained
+    } else if has_joint(handle, around) {
+        Answer::Jointed
+    } else if has_contact(body, around) {
+        Answer::Held
     } else {
         Answer::Free
     }
 }
 
-fn is_constrained(handle: RigidBodyHandle, body: &RigidBody, around: &Surroundings) -> bool {
-    has_joint(handle, around)
-        || body.colliders().iter().any(|&c| {
-            around
-                .narrow_phase
-                .contact_pairs_with(c)
-                .any(|pair| pair.has_any_active_contact())
-        })
+fn has_contact(body: &RigidBody, around: &Surroundings) -> bool {
+    body.colliders().iter().any(|&c| {
+        around
+            .narrow_phase
+            .contact_pairs_with(c)
+            .any(|pair| pair.has_any_active_contact())
+    })
 }
 
 fn has_joint(handle: RigidBodyHandle, around: &Surroundings) -> bool {
@@ -171,23 +173,26 @@ pub fn response(
     memory: &mut BodyMemory,
     around: &Surroundings,
 ) -> f64 {
-    if answer != Answer::Constrained {
+    if !matches!(answer, Answer::Jointed | Answer::Held) {
         memory.response = None;
-        memory.constrained = false;
         return 1.0;
     }
-    memory.constrained = true;
     *memory
         .response
-        .get_or_insert_with(|| first_guess(handle, body, around))
+        .get_or_insert_with(|| first_guess(handle, body, answer, around))
 }
 
 /// Jointed to something that never moves: 0. Jointed to others: its share of their mass. Held by contacts only: 0.2.
-fn first_guess(handle: RigidBodyHandle, body: &RigidBody, around: &Surroundings) -> f64 {
+fn first_guess(
+    handle: RigidBodyHandle,
+    body: &RigidBody,
+    answer: Answer,
+    around: &Surroundings,
+) -> f64 {
     if around.multibodies.rigid_body_link(handle).is_some() {
         return 0.5;
     }
-    if !has_joint(handle, around) {
+    if answer == Answer::Held {
         return 0.2;
     }
     let mut component = vec![handle];

@@ -47,6 +47,15 @@ pub fn return_map<S: Scalar>(
     }
 }
 
+/// Work dissipated by a flow \[J\]: the mean of the tension before and after it, times the flow. `last` is what the
+/// tension was before the flow \[N\]; it can't have been beyond the surface the flow ended on.
+#[inline(always)]
+pub fn work<S: Scalar>(last: S, mapped: &Mapped<S>) -> S {
+    let most = mapped.tension.abs();
+    let last = last.min(most).max(-most);
+    S::of(0.5) * (last + mapped.tension) * mapped.flow
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -9,14 +9,15 @@ use crate::body::state::{Particle, State};
 use crate::law::{plastic, spring};
 use crate::math::Scalar;
 
+/// Four lanes, of which the last one carries nothing: what a vector register holds of a node.
+pub(crate) type Lanes<S> = [S; 4];
+
 /// Forces on one node \[N\].
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(32))]
 pub(crate) struct Force<S> {
-    pub elastic: [S; 3],
-    pub pad: S,
-    pub damping: [S; 3],
-    pub pad2: S,
+    pub elastic: Lanes<S>,
+    pub damping: Lanes<S>,
 }
 
 /// What happened in a pass.
@@ -37,44 +38,75 @@ pub(crate) struct LimitEvent<S> {
     pub energy: S,
 }
 
-/// Adds the force of every spring to its nodes. With `commit`, plastic flow and breaking are written to the state;
-/// without, they only limit the force, as the inner stages of a scheme need.
+/// Adds the force of every spring to its nodes. With `commit`, which is the time since the last commit \[s\], plastic flow
+/// and breaking are written to the state; without, they only limit the force, as the inner stages of a scheme need.
 pub(crate) fn add_spring_forces<S: Scalar>(
     table: &mut SpringTable<S>,
     state: &mut State<S>,
     forces: &mut [Force<S>],
     events: &mut Vec<LimitEvent<S>>,
-    commit: bool,
+    commit: Option<S>,
 ) -> Happened {
-    match (table.limits.is_empty(), commit, table.damped) {
-        (true, _, false) => pass::<S, false, false, false>(table, state, forces, events),
-        (true, _, true) => pass::<S, false, false, true>(table, state, forces, events),
-        (false, false, false) => pass::<S, true, false, false>(table, state, forces, events),
-        (false, false, true) => pass::<S, true, false, true>(table, state, forces, events),
-        (false, true, false) => pass::<S, true, true, false>(table, state, forces, events),
-        (false, true, true) => pass::<S, true, true, true>(table, state, forces, events),
+    let h = commit.unwrap_or(S::ZERO);
+    match (table.limits.is_empty(), commit.is_some(), table.damped) {
+        (true, _, false) => pass::<S, false, false, false>(table, state, forces, events, h),
+        (true, _, true) => pass::<S, false, false, true>(table, state, forces, events, h),
+        (false, false, false) => pass::<S, true, false, false>(table, state, forces, events, h),
+        (false, false, true) => pass::<S, true, false, true>(table, state, forces, events, h),
+        (false, true, false) => pass::<S, true, true, false>(table, state, forces, events, h),
+        (false, true, true) => pass::<S, true, true, true>(table, state, forces, events, h),
     }
 }
 
-#[inline(always)]
-fn sub<S: Scalar>(a: [S; 3], b: [S; 3]) -> [S; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-/// Scalar product.
+/// Scalar product of three components.
 #[inline(always)]
 pub(crate) fn dot<S: Scalar>(a: [S; 3], b: [S; 3]) -> S {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Direction from `a` to `b`, and their distance. Coincident nodes have no direction and get no force.
 #[inline(always)]
-pub(crate) fn axis<S: Scalar>(a: &Particle<S>, b: &Particle<S>) -> ([S; 3], S) {
-    let d = sub(b.x, a.x);
-    let squared = dot(d, d);
-    let length = squared.sqrt();
-    let inverse = S::ONE / squared.max(S::of(1e-30)).sqrt();
-    ([d[0] * inverse, d[1] * inverse, d[2] * inverse], length)
+fn dot_lanes<S: Scalar>(a: Lanes<S>, b: Lanes<S>) -> S {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The lanes that mean something.
+#[inline(always)]
+pub(crate) fn three<S: Scalar>(a: Lanes<S>) -> [S; 3] {
+    [a[0], a[1], a[2]]
+}
+
+#[inline(always)]
+fn sub<S: Scalar>(a: Lanes<S>, b: Lanes<S>) -> Lanes<S> {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3]]
+}
+
+#[inline(always)]
+fn scale<S: Scalar>(a: Lanes<S>, by: S) -> Lanes<S> {
+    [a[0] * by, a[1] * by, a[2] * by, a[3] * by]
+}
+
+#[inline(always)]
+fn add_to<S: Scalar>(sum: &mut Lanes<S>, a: Lanes<S>) {
+    *sum = [sum[0] + a[0], sum[1] + a[1], sum[2] + a[2], sum[3] + a[3]];
+}
+
+#[inline(always)]
+fn position<S: Scalar>(p: &Particle<S>) -> Lanes<S> {
+    [p.x[0], p.x[1], p.x[2], p.inv_mass]
+}
+
+#[inline(always)]
+fn velocity<S: Scalar>(p: &Particle<S>) -> Lanes<S> {
+    [p.v[0], p.v[1], p.v[2], p.pad]
+}
+
+/// Direction from `a` to `b` (the fourth lane means nothing), and their distance. Coincident nodes have no direction and
+/// get no force.
+#[inline(always)]
+pub(crate) fn axis<S: Scalar>(a: &Particle<S>, b: &Particle<S>) -> (Lanes<S>, S) {
+    let d = sub(position(b), position(a));
+    let length = dot_lanes(d, d).max(S::of(1e-30)).sqrt();
+    (scale(d, S::ONE / length), length)
 }
 
 fn pass<S: Scalar, const LIMITED: bool, const COMMIT: bool, const DAMPED: bool>(
@@ -82,62 +114,68 @@ fn pass<S: Scalar, const LIMITED: bool, const COMMIT: bool, const DAMPED: bool>(
     state: &mut State<S>,
     forces: &mut [Force<S>],
     events: &mut Vec<LimitEvent<S>>,
+    h: S,
 ) -> Happened {
     let mut happened = Happened::default();
     let mut plastic_work = S::ZERO;
+    let old_events = events.len();
     let particles = &state.particles[..];
-    let springs = table.links.len();
-    let rest = &mut state.rest[..springs];
-    let flows = &mut state.flow[..springs];
-    for i in 0..springs {
-        let link = table.links[i];
+    let links = &table.links[..];
+    let rest = &mut state.rest[..links.len()];
+    let flows = &mut state.flow[..links.len()];
+    let limits = &table.limits[..if LIMITED { links.len() } else { 0 }];
+    for (i, link) in links.iter().enumerate() {
         let (ia, ib) = (link.a as usize, link.b as usize);
         let (a, b) = (&particles[ia], &particles[ib]);
         let (n, length) = axis(a, b);
         let elongation = length - rest[i];
         let mut tension = spring::tension(link.stiffness, elongation);
+        let mut viscosity = link.damping;
         if LIMITED {
-            let limit = &table.limits[i];
+            let limit = &limits[i];
             let mapped = plastic::return_map(link.stiffness, elongation, flows[i], &limit.yields);
             tension = mapped.tension;
-            if COMMIT {
-                let moved = mapped.flow.abs();
-                let event = |broke, energy| LimitEvent {
+            let breaks = (tension > limit.break_force) | (length > limit.break_length);
+            // Rare, and in runs: springs flow together, for many substeps.
+            if COMMIT && (mapped.flow != S::ZERO || breaks) {
+                let event = |broke| LimitEvent {
                     spring: i as u32,
                     broke,
                     tension,
-                    energy,
+                    energy: spring::energy(link.stiffness, elongation - mapped.flow),
                 };
-                if flows[i] == S::ZERO && moved > S::ZERO {
-                    let energy = spring::energy(link.stiffness, elongation - mapped.flow);
-                    events.push(event(false, energy));
+                if mapped.flow != S::ZERO {
+                    // The trapezoid, as for every other work: the tension of the last commit follows from the rate.
+                    let rate = dot_lanes(sub(velocity(b), velocity(a)), n);
+                    let last = link.stiffness * (elongation - h * rate);
+                    plastic_work += plastic::work(last, &mapped);
+                    if flows[i] == S::ZERO {
+                        events.push(event(false));
+                    }
+                    rest[i] += mapped.flow;
+                    flows[i] += mapped.flow.abs();
                 }
-                plastic_work += tension.abs() * moved;
-                rest[i] += mapped.flow;
-                flows[i] += moved;
-                if tension > limit.break_force || length > limit.break_length {
-                    let energy = spring::energy(link.stiffness, length - rest[i]);
-                    events.push(event(true, energy));
-                    happened.fracture += energy.f64();
-                    state.broken[i] = true;
-                    table.cut(i);
-                    continue;
+                if breaks {
+                    let event = event(true);
+                    happened.fracture += event.energy.f64();
+                    events.push(event);
+                    (tension, viscosity) = (S::ZERO, S::ZERO);
                 }
             }
         }
-        let pull = [n[0] * tension, n[1] * tension, n[2] * tension];
+        let pull = scale(n, tension);
         if DAMPED {
-            let viscous = spring::damping(link.damping, dot(sub(b.v, a.v), n));
-            let drag = [n[0] * viscous, n[1] * viscous, n[2] * viscous];
-            for k in 0..3 {
-                forces[ia].damping[k] += drag[k];
-                forces[ib].damping[k] -= drag[k];
-            }
+            let rate = dot_lanes(sub(velocity(b), velocity(a)), n);
+            let viscous = scale(n, spring::damping(viscosity, rate));
+            add_to(&mut forces[ia].damping, viscous);
+            add_to(&mut forces[ib].damping, scale(viscous, -S::ONE));
         }
-        for k in 0..3 {
-            forces[ia].elastic[k] += pull[k];
-            forces[ib].elastic[k] -= pull[k];
-        }
+        add_to(&mut forces[ia].elastic, pull);
+        add_to(&mut forces[ib].elastic, scale(pull, -S::ONE));
+    }
+    for event in events[old_events..].iter().filter(|e| e.broke) {
+        state.broken[event.spring as usize] = true;
+        table.cut(event.spring as usize);
     }
     happened.plastic = plastic_work.f64();
     happened

@@ -29,9 +29,6 @@ pub struct Shadow {
     pub acceleration: DVec3,
     /// Angular acceleration by user torques \[rad/s²\], scaled likewise.
     pub spin_up: DVec3,
-    /// What makes free flight end where the rigid pipeline ends it: (s − ½) times the rigid step \[s\], see
-    /// `displacement_share`.
-    pub drift: f64,
     /// Linear and angular damping \[1/s\].
     pub damping: (f64, f64),
     /// Sum of impulses received \[N·s\].
@@ -53,7 +50,6 @@ impl Shadow {
         inertia: DMat3::ZERO,
         acceleration: DVec3::ZERO,
         spin_up: DVec3::ZERO,
-        drift: 0.0,
         damping: (0.0, 0.0),
         impulse: DVec3::ZERO,
         torque: DVec3::ZERO,
@@ -104,8 +100,7 @@ impl Shadow {
 
     /// Second half of a substep: position and orientation.
     pub fn advance(&mut self, h: f64) {
-        // Σ v·h over n substeps overshoots ½aT² by ½aT²/n; Rapier's own overshoot, with its few iterations, is larger.
-        self.com += self.v * h + self.acceleration * (h * (self.drift - 0.5 * h));
+        self.com += self.v * h;
         let turn = DQuat::from_scaled_axis(self.w * h);
         self.rot = (turn * self.rot).normalize();
         if self.inertia != DMat3::ZERO {

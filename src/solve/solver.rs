@@ -1,11 +1,11 @@
 //! The solver of one body: its spring table, forces from outside, scratch of a substep, and sums of work.
 //!
 //! It advances a [`State`] that it does not own. A substep has three parts: [`Solver::predict`] moves the body freely,
-//! rows may then change velocities through [`Solver::kick`], and [`Solver::finish`] completes schemes that evaluate the
+//! rows may then change velocities through `kick`, and [`Solver::finish`] completes schemes that evaluate the
 //! force at the new position.
 
 use super::external::{External, ForceField};
-use super::forces::{Force, LimitEvent, add_spring_forces, dot};
+use super::forces::{Force, LimitEvent, add_spring_forces, dot, three};
 use super::integrate::Integrator;
 use super::springs::SpringTable;
 use super::work::Work;
@@ -89,27 +89,17 @@ impl<S: Scalar> Solver<S> {
         self.time += h;
     }
 
-    /// Changes the velocity of a node between `predict` and `finish`, as if from the start of the substep:
-    /// v += Δv, x += h·Δv. Work of damping and external forces follows, see [`Work`].
-    pub(crate) fn kick(
-        &mut self,
-        state: &mut State<S>,
-        integrator: Integrator,
-        node: usize,
-        dv: DVec3,
-        h: f64,
-    ) {
+    /// Changes the velocity of a node after `predict` by a scheme that takes late impulses: v += Δv, x += h·Δv. Work of damping and external forces follows, see [`Work`].
+    pub(crate) fn kick(&mut self, state: &mut State<S>, node: usize, dv: DVec3, h: f64) {
         let dv = [S::of(dv.x), S::of(dv.y), S::of(dv.z)];
         let step = S::of(h);
         for (v, d) in state.particles[node].v.iter_mut().zip(dv) {
             *v += d;
         }
         state.displace(node, [dv[0] * step, dv[1] * step, dv[2] * step]);
-        if integrator == Integrator::SymplecticEuler {
-            self.work.damping -= 0.5 * h * dot(self.forces[node].damping, dv).f64();
-            if let Some(applied) = self.applied.get(node) {
-                self.work.external += 0.5 * h * dot(*applied, dv).f64();
-            }
+        self.work.damping -= 0.5 * h * dot(three(self.forces[node].damping), dv).f64();
+        if let Some(applied) = self.applied.get(node) {
+            self.work.external += 0.5 * h * dot(*applied, dv).f64();
         }
     }
 
@@ -124,12 +114,19 @@ impl<S: Scalar> Solver<S> {
         DVec3::new(sum(0), sum(1), sum(2))
     }
 
-    /// Fills the forces for the state as it is. With `commit`, plastic flow and breaking are written.
+    /// Drops the forces of the last evaluation, when the state they belong to is given up.
+    pub(crate) fn forget_forces(&mut self) {
+        self.forces.fill(Force::default());
+        self.applied.clear();
+    }
+
+    /// Fills the forces for the state as it is. With `commit`, which is the time since the last commit \[s\], plastic flow
+    /// and breaking are written.
     pub(crate) fn evaluate(
         &mut self,
         state: &mut State<S>,
         field: Option<&dyn ForceField>,
-        commit: bool,
+        commit: Option<S>,
     ) {
         self.forces.fill(Force::default());
         let drag = self.external.drag;

@@ -66,7 +66,8 @@ impl<S: Scalar> Solver<S> {
     pub fn stable_step(&self, state: &State<S>, integrator: Integrator) -> StableStep {
         let nodes = state.particles.len();
         let mut stiff = vec![[0.0; 6]; nodes];
-        let mut damp = vec![[0.0; 6]; nodes];
+        let damped = self.table.damped;
+        let mut damp = vec![[0.0; 6]; if damped { nodes } else { 0 }];
         let mut relaxation = (f64::INFINITY, None);
         for (i, link) in self.table.links.iter().enumerate() {
             let (k, c) = (link.stiffness.f64(), link.damping.f64());
@@ -81,7 +82,9 @@ impl<S: Scalar> Solver<S> {
             let sideways = (1.0 - state.rest[i].f64() / length.f64()).max(0.0);
             for node in [ia, ib] {
                 add(&mut stiff[node], n, k * w, k * w * sideways);
-                add(&mut damp[node], n, c * w, 0.0);
+                if damped {
+                    add(&mut damp[node], n, c * w, 0.0);
+                }
             }
             if k > 0.0 && c / k < relaxation.0 {
                 relaxation = (c / k, Some(i as u32));
@@ -89,7 +92,7 @@ impl<S: Scalar> Solver<S> {
         }
         let drag = self.external.drag.f64();
         let limit = |i: usize, eigenvalue: fn(&Sym) -> f64| {
-            let c = eigenvalue(&damp[i]) + drag * state.particles[i].inv_mass.f64();
+            let c = damp.get(i).map_or(0.0, eigenvalue) + drag * state.particles[i].inv_mass.f64();
             integrator.stable_step(eigenvalue(&stiff[i]), c, relaxation.0)
         };
         let mut worst = (f64::INFINITY, None);

@@ -19,7 +19,7 @@ type Region = Arc<dyn Fn(Vector) -> bool + Send + Sync>;
 /// ```
 /// use crumple::prelude::*;
 /// use crumple::rapier3d::prelude::*;
-/// let net = shape::lattice(Vector::new(1.0, 0.5, 0.5), 0.1)?;
+/// let net = lattice(Vector::new(1.0, 0.5, 0.5), 0.1)?;
 /// let body = DeformableBuilder::new(net)
 ///     .material(Material::rubber())
 ///     .translation(Vector::new(0.0, 2.0, 0.0))
@@ -204,11 +204,11 @@ impl DeformableBuilder {
                 must: "finite",
             });
         }
-        if !self.pose.rotation.is_finite() {
+        if !wide_rotation(self.pose.rotation).is_finite() {
             return Err(BuildError::Value {
-                what: "the rotation",
-                value: f64::NAN,
-                must: "finite",
+                what: "the length of the rotation's quaternion",
+                value: self.pose.rotation.length().into(),
+                must: "positive and finite",
             });
         }
         if let Some(substeps) = self.substeps {
@@ -287,5 +287,23 @@ impl IntoNet for Net {
 impl IntoNet for Result<Net, BuildError> {
     fn into_net(self) -> Result<Net, BuildError> {
         self
+    }
+}
+
+/// What a world takes as a body: a builder, or a body that was built before.
+pub trait IntoDeformable {
+    /// The body, or why there is none.
+    fn into_deformable(self) -> Result<Deformable, BuildError>;
+}
+
+impl IntoDeformable for Deformable {
+    fn into_deformable(self) -> Result<Deformable, BuildError> {
+        Ok(self)
+    }
+}
+
+impl IntoDeformable for DeformableBuilder {
+    fn into_deformable(self) -> Result<Deformable, BuildError> {
+        self.build()
     }
 }

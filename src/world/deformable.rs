@@ -1,58 +1,14 @@
-//! A deformable body in the world: blueprint, state, solver and settings, and the face through which users read and
-//! change it. Values are editable, lengths are not.
+//! A deformable body in the world: blueprint, state, solver and settings, and the face through which users read it.
 
+use super::motion::Start;
 use super::params::{DeformableParameters, Substeps};
-use crate::body::{Blueprint, BuildError, NodeId, Spring, SpringId, State};
+use crate::body::{Blueprint, NodeId, SpringId, State};
 use crate::contact::target::Surface;
-use crate::law::plastic::{Mapped, Yield, return_map};
-use crate::law::spring as law;
-use crate::math::{DVec3, Pose, Real, Vector, narrow, wide};
+use crate::math::{DVec3, Real, Vector, narrow};
 use crate::solve::external::ForceField;
-use crate::solve::stable::StableStep;
 use crate::solve::work::Work;
 use crate::solve::{Integrator, Solver};
 use std::sync::Arc;
-
-/// Energies of a body and the work done on it so far \[J\].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Energies {
-    /// ½Σ m·v⁻·v⁺ for symplectic Euler (leapfrog), ½Σ m·v² otherwise.
-    pub kinetic: f64,
-    /// Held by the springs.
-    pub elastic: f64,
-    /// Σ −m·g·x, relative to where the body was inserted.
-    pub gravity: f64,
-    /// Sums of dissipation and external work.
-    pub work: Work,
-}
-
-impl Energies {
-    /// Everything that stays constant: kinetic + elastic + gravity + dissipation − external work − work received from
-    /// rigid bodies − what moving nodes out of colliders added.
-    pub fn balance(&self) -> f64 {
-        let w = &self.work;
-        self.kinetic + self.elastic + self.gravity + self.dissipated()
-            - w.external
-            - w.rigid
-            - w.push_out
-    }
-
-    /// Plastic, damping, fracture and contact losses together.
-    pub fn dissipated(&self) -> f64 {
-        let w = &self.work;
-        w.damping + w.plastic + w.fracture + w.contact_normal + w.contact_friction
-    }
-
-    /// What a residual is measured against: kinetic + elastic + dissipation + |work of gravity| + |external work|.
-    pub fn scale(&self) -> f64 {
-        self.kinetic
-            + self.elastic
-            + self.dissipated().abs()
-            + self.gravity.abs()
-            + self.work.external.abs()
-            + self.work.rigid.abs()
-    }
-}
 
 /// A deformable body.
 #[derive(Clone, Default)]
@@ -79,6 +35,10 @@ pub struct Deformable {
     pub(super) slots: Vec<u32>,
     /// Positions and velocities at the start of the rigid step, to go back to if the step goes wrong.
     pub(super) backup: State<Real>,
+    /// Particles and work before the free motion, for schemes that predict anew after rows.
+    pub(super) start: Start,
+    /// The work done until then.
+    pub(super) work_backup: Work,
     pub(super) h: f64,
     /// Anything the user wants to keep with the body.
     pub user_data: u128,
@@ -95,7 +55,6 @@ impl std::fmt::Debug for Deformable {
     }
 }
 
-/// Reading.
 impl Deformable {
     /// How many nodes it has.
     pub fn node_count(&self) -> usize {
@@ -164,7 +123,7 @@ impl Deformable {
             .sum()
     }
 
-    fn nodes_with_mass(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+    pub(super) fn nodes_with_mass(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         self.blueprint
             .nodes
             .iter()
@@ -191,38 +150,12 @@ impl Deformable {
         let i = spring.index();
         let link = self.solver.table.links.get(i)?;
         Some(
-            self.mapped(i, self.length(i), link.stiffness.into())
+            self.mapped(i, self.length_of(i), link.stiffness.into())
                 .tension,
         )
     }
 
-    /// Tension of a spring at a length, and the flow that the next force evaluation will commit.
-    fn mapped(&self, spring: usize, length: f64, stiffness: f64) -> Mapped<f64> {
-        let elongation = length - f64::from(self.state.rest[spring]);
-        match self.solver.table.limits.get(spring) {
-            None => Mapped {
-                tension: law::tension(stiffness, elongation),
-                flow: 0.0,
-            },
-            Some(limit) => {
-                let y = limit.yields;
-                let yields = Yield {
-                    tension: f64::from(y.tension),
-                    compression: f64::from(y.compression),
-                    hardening: f64::from(y.hardening),
-                    inverse: f64::from(y.inverse),
-                };
-                return_map(
-                    stiffness,
-                    elongation,
-                    self.state.flow[spring].into(),
-                    &yields,
-                )
-            }
-        }
-    }
-
-    fn length(&self, spring: usize) -> f64 {
+    pub(super) fn length_of(&self, spring: usize) -> f64 {
         let [a, b] = self.blueprint.springs[spring].nodes;
         self.state
             .local(a as usize)
@@ -261,7 +194,7 @@ impl Deformable {
             .filter(|&i| !self.state.broken[i])
             .map(|i| {
                 let rest = f64::from(self.blueprint.springs[i].rest_length.unwrap_or(1.0));
-                (self.length(i) / rest - 1.0).abs()
+                (self.length_of(i) / rest - 1.0).abs()
             })
             .fold(0.0, f64::max)
     }
@@ -283,50 +216,6 @@ impl Deformable {
                 narrow(self.state.origin + local)
             })
             .collect()
-    }
-
-    /// Energies now and work so far.
-    pub fn energies(&self) -> Energies {
-        let gravity = self.gravity();
-        let mut energies = Energies {
-            work: self.solver.work,
-            ..Energies::default()
-        };
-        // Velocities of symplectic Euler stand half a substep back: ½·h·F·v brings the kinetic energy to the positions'.
-        let lead = if self.integrator() == Integrator::SymplecticEuler {
-            0.5 * self.h
-        } else {
-            0.0
-        };
-        for (i, mass) in self.nodes_with_mass() {
-            if self.state.particles[i].inv_mass == 0.0 {
-                continue;
-            }
-            let v = self.state.velocity(i);
-            energies.kinetic += mass * (0.5 * v.length_squared() + lead * gravity.dot(v));
-            energies.gravity -= mass * gravity.dot(self.state.position(i) - self.datum);
-        }
-        for (i, link) in self.solver.table.links.iter().enumerate() {
-            let stiffness = f64::from(link.stiffness);
-            if stiffness == 0.0 {
-                continue;
-            }
-            let (a, b) = (link.a as usize, link.b as usize);
-            let d = self.state.local(b) - self.state.local(a);
-            let length = d.length();
-            let mapped = self.mapped(i, length, stiffness);
-            energies.elastic += law::energy(stiffness, mapped.tension / stiffness);
-            energies.work.plastic += mapped.tension.abs() * mapped.flow.abs();
-            let rate = (self.state.velocity(b) - self.state.velocity(a)).dot(d)
-                / length.max(f64::MIN_POSITIVE);
-            energies.kinetic -= lead * mapped.tension * rate;
-        }
-        energies
-    }
-
-    /// The longest stable substep of its scheme now, and the spring that sets it.
-    pub fn stable_step(&self) -> StableStep {
-        self.solver.stable_step(&self.state, self.integrator())
     }
 
     /// Length of the last substep taken \[s\]; 0 before the first step.
@@ -363,314 +252,6 @@ impl Deformable {
     pub fn gravity(&self) -> DVec3 {
         let g = self.solver.external.gravity;
         DVec3::new(g[0].into(), g[1].into(), g[2].into())
-    }
-}
-
-/// Changing.
-impl Deformable {
-    /// Books a change made from outside, so that the energy balance stays closed: it is external work.
-    fn edit<T>(&mut self, change: impl FnOnce(&mut Self) -> T) -> T {
-        let before = self.energies().balance();
-        let result = change(self);
-        let after = self.energies().balance();
-        self.solver.work.external += after - before;
-        result
-    }
-
-    /// Enables or disables the body. A disabled body stays where it is and touches nothing.
-    pub fn set_enabled(&mut self, enabled: bool) {
-        self.enabled = enabled;
-    }
-
-    /// Friction and collision groups.
-    pub fn surface_mut(&mut self) -> &mut Surface {
-        &mut self.surface
-    }
-
-    /// Puts a node somewhere in the world \[m\]. Unknown ids and values that are not finite change nothing: `false`.
-    pub fn set_position(&mut self, node: NodeId, position: Vector) -> bool {
-        let ok = node.index() < self.node_count() && position.is_finite();
-        if ok {
-            self.edit(|body| body.state.set_position(node.index(), wide(position)));
-        }
-        ok
-    }
-
-    /// Sets the velocity of a node \[m/s\]. Unknown ids and values that are not finite change nothing: `false`.
-    pub fn set_linvel_of(&mut self, node: NodeId, linvel: Vector) -> bool {
-        let ok = node.index() < self.node_count() && linvel.is_finite();
-        if ok {
-            self.edit(|body| body.state.set_velocity(node.index(), wide(linvel)));
-        }
-        ok
-    }
-
-    /// Gives all nodes one velocity \[m/s\]. Values that are not finite change nothing: `false`.
-    pub fn set_linvel(&mut self, linvel: Vector) -> bool {
-        self.set_velocities(linvel, Vector::ZERO)
-    }
-
-    /// Gives the body the velocity field of a rigid one: `linvel` \[m/s\] of its centre of mass and `angvel` \[rad/s\].
-    /// Values that are not finite change nothing: `false`.
-    pub fn set_velocities(&mut self, linvel: Vector, angvel: Vector) -> bool {
-        let ok = linvel.is_finite() && angvel.is_finite();
-        if ok {
-            let com = self.center_of_mass();
-            self.edit(|body| {
-                for i in 0..body.node_count() {
-                    let arm = body.state.position(i) - com;
-                    body.state
-                        .set_velocity(i, wide(linvel) + wide(angvel).cross(arm));
-                }
-            });
-        }
-        ok
-    }
-
-    /// Moves the body rigidly: every node goes through `motion`, velocities are turned with it. Values that are not
-    /// finite change nothing: `false`.
-    pub fn transform(&mut self, motion: Pose) -> bool {
-        let ok = motion.is_finite();
-        if ok {
-            let turn = crate::contact::target::wide_rotation(motion.rotation);
-            let shift = wide(motion.translation);
-            self.edit(|body| {
-                for i in 0..body.node_count() {
-                    let (x, v) = (body.state.position(i), body.state.velocity(i));
-                    body.state.set_position(i, turn * x + shift);
-                    body.state.set_velocity(i, turn * v);
-                }
-                body.state.recentre(1.0);
-            });
-        }
-        ok
-    }
-
-    /// Pins a node where it is, or lets it go. Unknown ids change nothing: `false`.
-    pub fn set_pinned(&mut self, node: NodeId, pinned: bool) -> bool {
-        let ok = node.index() < self.node_count();
-        if ok {
-            self.edit(|body| {
-                let mass = body.blueprint.nodes[node.index()].mass;
-                let particle = &mut body.state.particles[node.index()];
-                particle.inv_mass = if pinned { 0.0 } else { 1.0 / mass };
-                if pinned {
-                    particle.v = [0.0; 3];
-                }
-                body.blueprint.nodes[node.index()].pinned = pinned;
-            });
-        }
-        ok
-    }
-
-    /// Leads a pinned node to a point of the world \[m\], to be reached at the end of the coming step. Nodes that are not
-    /// pinned, unknown ids and points that are not finite change nothing: `false`.
-    pub fn set_kinematic_target(&mut self, node: NodeId, target: Vector) -> bool {
-        let ok = target.is_finite()
-            && self
-                .state
-                .particles
-                .get(node.index())
-                .is_some_and(|p| p.inv_mass == 0.0);
-        if ok {
-            self.led.retain(|(n, _)| *n != node.0);
-            self.led.push((node.0, wide(target)));
-        }
-        ok
-    }
-
-    /// Sets the force that acts on a node until changed \[N\]. Unknown ids and forces that are not finite change
-    /// nothing: `false`.
-    pub fn set_node_force(&mut self, node: NodeId, force: Vector) -> bool {
-        self.force_slot(node, force)
-            .map(|(kept, _)| *kept = force)
-            .is_some()
-    }
-
-    /// Adds to the force that acts on a node during the coming step only \[N\]. Unknown ids and forces that are not
-    /// finite change nothing: `false`.
-    pub fn add_step_force(&mut self, node: NodeId, force: Vector) -> bool {
-        self.force_slot(node, force)
-            .map(|(_, once)| *once += force)
-            .is_some()
-    }
-
-    fn force_slot(&mut self, node: NodeId, force: Vector) -> Option<&mut (Vector, Vector)> {
-        if !force.is_finite() || node.index() >= self.node_count() {
-            return None;
-        }
-        self.node_forces
-            .resize(self.node_count(), Default::default());
-        self.node_forces.get_mut(node.index())
-    }
-
-    /// Sets the force field on all nodes; `None` for none.
-    pub fn set_force_field(&mut self, field: Option<Arc<dyn ForceField>>) {
-        self.field = field;
-    }
-
-    /// Changes a spring. Its nodes and rest length at build stay what they are.
-    ///
-    /// # Errors
-    /// A constant out of range, an unknown spring, or a body that would need substeps shorter than its budget; the body
-    /// is then as before.
-    pub fn set_spring(
-        &mut self,
-        spring: SpringId,
-        change: impl FnOnce(&mut Spring),
-    ) -> Result<(), BuildError> {
-        let Some(old) = self.blueprint.springs.get(spring.index()).copied() else {
-            return Err(BuildError::Value {
-                what: "the spring's index",
-                value: spring.0.into(),
-                must: "less than the number of springs",
-            });
-        };
-        let mut new = old;
-        change(&mut new);
-        new.nodes = old.nodes;
-        new.rest_length = old.rest_length;
-        crate::body::error::check_constants(spring.0, &new)?;
-        self.blueprint.springs[spring.index()] = new;
-        self.rebuild()
-            .inspect_err(|_| self.restore_spring(spring, old))
-    }
-
-    fn restore_spring(&mut self, spring: SpringId, old: Spring) {
-        self.blueprint.springs[spring.index()] = old;
-        self.solver.table =
-            crate::solve::springs::SpringTable::new(&self.blueprint.springs, &self.state);
-    }
-
-    /// Changes the mass of a node \[kg\].
-    ///
-    /// # Errors
-    /// As [`Self::set_spring`].
-    pub fn set_node_mass(&mut self, node: NodeId, mass: Real) -> Result<(), BuildError> {
-        let bad = |what, value, must| BuildError::Value { what, value, must };
-        let Some(old) = self.node_mass(node) else {
-            return Err(bad(
-                "the node's index",
-                node.0.into(),
-                "less than the number of nodes",
-            ));
-        };
-        crate::body::error::positive("the node's mass", mass.into())?;
-        self.put_mass(node, mass);
-        self.rebuild().inspect_err(|_| self.put_mass(node, old))
-    }
-
-    fn put_mass(&mut self, node: NodeId, mass: Real) {
-        self.edit(|body| {
-            body.blueprint.nodes[node.index()].mass = mass;
-            let particle = &mut body.state.particles[node.index()];
-            if particle.inv_mass > 0.0 {
-                particle.inv_mass = 1.0 / mass;
-            }
-        });
-    }
-
-    fn rebuild(&mut self) -> Result<(), BuildError> {
-        self.edit(|body| {
-            body.solver.table =
-                crate::solve::springs::SpringTable::new(&body.blueprint.springs, &body.state);
-        });
-        self.check_budget()
-    }
-
-    /// Whether the body is stable within its budget.
-    pub(super) fn check_budget(&self) -> Result<(), BuildError> {
-        let substeps = self.substeps();
-        substeps.check()?;
-        let stable = self.stable_step();
-        let min_h = match substeps {
-            Substeps::Auto { safety, min_h } => min_h / safety,
-            Substeps::Fixed(n) => self.defaults.expected_dt / n as f64,
-            Substeps::Unchecked(_) => return Ok(()),
-        };
-        match stable.spring {
-            Some(spring) if stable.never => Err(BuildError::NeverStable {
-                integrator: self.integrator().name(),
-                spring,
-            }),
-            Some(spring) if stable.h < min_h => Err(self.unstable(spring, stable.h, min_h)),
-            _ => Ok(()),
-        }
-    }
-
-    fn unstable(&self, spring: u32, needed_h: f64, min_h: f64) -> BuildError {
-        let s = &self.blueprint.springs[spring as usize];
-        let mass = |n: u32| self.blueprint.nodes[n as usize].mass;
-        BuildError::Unstable {
-            spring,
-            stiffness: s.stiffness,
-            damping: s.damping,
-            mass_a: mass(s.nodes[0]),
-            mass_b: mass(s.nodes[1]),
-            needed_h,
-            min_h,
-        }
-    }
-
-    /// How many substeps a stretch of `dt` s needs, and whether it asked for too few. `frame` is the world's step.
-    pub(super) fn substeps_for(&self, dt: f64, frame: f64) -> (usize, bool) {
-        let stable = self.stable_step();
-        let count = |h: f64| ((dt / h).ceil() as usize).max(1);
-        let share = |n: usize| ((n as f64 * dt / frame).round() as usize).max(1);
-        match self.substeps() {
-            Substeps::Auto { safety, min_h } => {
-                (count((stable.h * safety).max(min_h.max(1e-12))), false)
-            }
-            Substeps::Fixed(n) => {
-                let needed = if stable.never { 0 } else { count(stable.h) };
-                (share(n).max(needed), share(n) < needed)
-            }
-            Substeps::Unchecked(n) => (share(n), dt / share(n) as f64 > stable.h),
-        }
-    }
-
-    /// Fills the solver's forces from outside for the coming rigid step, and leads its kinematic nodes for `remaining` s.
-    pub(super) fn prepare(&mut self, gravity: Vector, remaining: f64) {
-        let gravity = (gravity * self.gravity_scale).to_array();
-        if gravity != self.solver.external.gravity {
-            self.edit(|body| body.solver.external.gravity = gravity);
-        }
-        let forces = &mut self.solver.external.node_forces;
-        forces.clear();
-        forces.extend(
-            self.node_forces
-                .iter()
-                .map(|(kept, once)| (*kept + *once).to_array()),
-        );
-        for &(node, target) in &self.led {
-            let v = (target - self.state.position(node as usize)) / remaining;
-            self.state.set_velocity(node as usize, v);
-        }
-    }
-
-    /// Ends a step of the world: led nodes stand at their targets, one-step forces are gone.
-    pub(super) fn end_frame(&mut self) {
-        for (node, target) in std::mem::take(&mut self.led) {
-            self.state.set_position(node as usize, target);
-            self.state.set_velocity(node as usize, DVec3::ZERO);
-        }
-        for (_, once) in &mut self.node_forces {
-            *once = Vector::ZERO;
-        }
-    }
-
-    /// Back to the start of the rigid step, at rest, out of the simulation.
-    pub(super) fn freeze(&mut self) {
-        self.state.clone_from(&self.backup);
-        for particle in &mut self.state.particles {
-            particle.v = [0.0; 3];
-        }
-        self.frozen = true;
-    }
-
-    /// Lets a frozen body take part again, from where it stands and at rest.
-    pub fn thaw(&mut self) {
-        self.frozen = false;
     }
 
     /// FNV-1a hash of the whole state, bit for bit.

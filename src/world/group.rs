@@ -45,7 +45,8 @@ impl DeformableWorld {
     /// Sorts the enabled deformables into groups for a rigid step of `dt` s. Each group takes its members out of the set
     /// until it is dissolved.
     pub(super) fn form_groups(&mut self, parts: &RapierParts, dt: f64) -> Vec<Group> {
-        let strays = reach::strays(&mut self.known, parts);
+        let strays = reach::strays(&self.known, parts);
+        reach::remember(&mut self.known, &strays, parts);
         let search = Search {
             parts,
             rigid_speed: reach::fastest_rigid(parts),
@@ -67,7 +68,7 @@ impl DeformableWorld {
         let mut groups: BTreeMap<usize, Group> = BTreeMap::new();
         let around = parts.surroundings();
         for (i, reach) in reaches.into_iter().enumerate() {
-            let group = groups.entry(group_of[i]).or_insert_with(Group::new);
+            let group = groups.entry(group_of[i]).or_insert_with(Group::empty);
             let Some(body) = self.take(reach.handle) else {
                 continue;
             };

@@ -1,9 +1,13 @@
 //! The world of deformables beside a Rapier world.
 
 mod attachment;
+mod budget;
 mod builder;
 mod deformable;
+mod edit;
+mod energies;
 mod group;
+mod motion;
 mod observer;
 mod params;
 mod parts;
@@ -13,8 +17,9 @@ mod step;
 mod substep;
 
 pub use attachment::AttachError;
-pub use builder::{DeformableBuilder, IntoNet};
-pub use deformable::{Deformable, Energies};
+pub use builder::{DeformableBuilder, IntoDeformable, IntoNet};
+pub use deformable::Deformable;
+pub use energies::Energies;
 pub use observer::{
     AttachmentImpulse, Observer, PairImpulse, SpringEvent, SpringEventKind, Substep,
 };
@@ -47,7 +52,7 @@ pub struct AttachmentHandle(pub(crate) Index);
 /// world.insert(RigidBodyBuilder::fixed(), ColliderBuilder::cuboid(5.0, 0.1, 5.0));
 /// let mut deformables = DeformableWorld::default();
 /// let block = deformables.insert(
-///     DeformableBuilder::new(shape::lattice(Vector::splat(0.4), 0.1))
+///     DeformableBuilder::new(lattice(Vector::splat(0.4), 0.1))
 ///         .material(Material::rubber())
 ///         .translation(Vector::new(0.0, 0.4, 0.0)),
 /// )?;
@@ -81,16 +86,13 @@ impl DeformableWorld {
         Self::default()
     }
 
-    /// Adds a body.
+    /// Adds a body: a builder, or a body that was built or taken out of a world before.
     ///
     /// # Errors
     /// Everything building can fail with, and [`BuildError::Unstable`] or [`BuildError::NeverStable`] for a body that is
     /// not stable within its substeps.
-    pub fn insert(
-        &mut self,
-        body: impl TryInto<Deformable, Error = BuildError>,
-    ) -> Result<DeformableHandle, BuildError> {
-        let mut body = body.try_into()?;
+    pub fn insert(&mut self, body: impl IntoDeformable) -> Result<DeformableHandle, BuildError> {
+        let mut body = body.into_deformable()?;
         body.defaults = self.params;
         body.check_budget()?;
         Ok(DeformableHandle(self.bodies.insert(Box::new(body))))
@@ -194,13 +196,5 @@ impl std::ops::Index<DeformableHandle> for DeformableWorld {
 impl std::ops::IndexMut<DeformableHandle> for DeformableWorld {
     fn index_mut(&mut self, handle: DeformableHandle) -> &mut Deformable {
         &mut self.bodies[handle.0]
-    }
-}
-
-impl TryFrom<DeformableBuilder> for Deformable {
-    type Error = BuildError;
-
-    fn try_from(builder: DeformableBuilder) -> Result<Self, BuildError> {
-        builder.build()
     }
 }

@@ -6,9 +6,10 @@
 
 use super::report::note;
 use super::{Deformable, RapierParts};
-use crate::contact::target::{Target, admits, target};
-use crate::math::{Pose, narrow};
-use rapier3d::dynamics::RigidBody;
+use crate::contact::target::{Target, admits, target, wide_rotation};
+use crate::math::{Pose, narrow, wide};
+use crate::solve::shadow::Shadow;
+use rapier3d::dynamics::{RigidBody, RigidBodyHandle};
 use rapier3d::geometry::{Aabb, Collider, ColliderHandle};
 use rapier3d::parry::bounding_volume::BoundingVolume;
 use rapier3d::parry::query::DefaultQueryDispatcher;
@@ -35,31 +36,47 @@ fn point_speed(body: &RigidBody) -> f64 {
     f64::from(body.linvel().length()) + f64::from(body.angvel().length()) * extent
 }
 
-/// What the BVH knew of each collider at its last update, by slot: generation, enabled, local bounds.
-pub(super) type Known = Vec<Option<(u32, bool, Aabb)>>;
+/// What the BVH knew of each collider at its last update, by slot: generation, enabled, local bounds, and the pose of one
+/// without a body.
+type Description = (u32, bool, Aabb, Option<Pose>);
+pub(super) type Known = Vec<Option<Description>>;
 
-/// The colliders that Rapier's BVH does not know as they are now. They count as known from then on, because a Rapier step
-/// follows.
-pub(super) fn strays(known: &mut Known, parts: &RapierParts) -> Vec<ColliderHandle> {
-    let mut strays = Vec::new();
-    for (handle, collider) in parts.colliders.iter() {
+/// What the BVH will know of a collider after the coming step.
+fn description(collider: &Collider, generation: u32) -> Description {
+    (
+        generation,
+        collider.is_enabled(),
+        collider.shape().compute_local_aabb(),
+        collider.parent().is_none().then(|| *collider.position()),
+    )
+}
+
+/// The colliders that Rapier's BVH does not know as they are now.
+pub(super) fn strays(known: &Known, parts: &RapierParts) -> Vec<ColliderHandle> {
+    let is_stray = |(handle, collider): &(ColliderHandle, &Collider)| {
+        let (index, generation) = handle.into_raw_parts();
+        known.get(index as usize) != Some(&Some(description(collider, generation)))
+            || true_pose(collider, parts) != *collider.position()
+    };
+    parts
+        .colliders
+        .iter()
+        .filter(is_stray)
+        .map(|(handle, _)| handle)
+        .collect()
+}
+
+/// Strays count as known once a Rapier step is certain to follow.
+pub(super) fn remember(known: &mut Known, strays: &[ColliderHandle], parts: &RapierParts) {
+    for &handle in strays {
         let (index, generation) = handle.into_raw_parts();
         let index = index as usize;
-        if known.len() <= index {
-            known.resize(index + 1, None);
-        }
-        let now = (
-            generation,
-            collider.is_enabled(),
-            collider.shape().compute_local_aabb(),
-        );
-        let moved = true_pose(collider, parts) != *collider.position();
-        if known[index] != Some(now) || moved {
-            known[index] = Some(now);
-            strays.push(handle);
-        }
+        known.resize(known.len().max(index + 1), None);
+        known[index] = parts
+            .colliders
+            .get(handle)
+            .map(|c| description(c, generation));
     }
-    strays
 }
 
 /// A collider's pose by its body's, which is right even after a teleport.
@@ -138,4 +155,46 @@ pub(super) fn targets(
         }
     });
     targets
+}
+
+/// Bodies asleep that some node will run into within the stretch of time, faster than `threshold` \[m/s\]. They must be
+/// awake by then: a sleeper is infinitely heavy, and the blow would be lost on it.
+pub(super) fn sleepers_in_the_way(
+    body: &Deformable,
+    search: &Search,
+    threshold: f64,
+) -> Vec<RigidBodyHandle> {
+    let mut found = Vec::new();
+    for target in targets(body, search, &mut Vec::new()) {
+        let Some((handle, rigid)) = target
+            .body
+            .and_then(|h| Some((h, search.parts.bodies.get(h)?)))
+        else {
+            continue;
+        };
+        if !rigid.is_dynamic() || !rigid.is_sleeping() || found.contains(&handle) {
+            continue;
+        }
+        let pose = rigid.position();
+        let rot = wide_rotation(pose.rotation);
+        let shadow = Shadow {
+            com: wide(pose.translation) + rot * wide(rigid.local_center_of_mass()),
+            rot,
+            ..Shadow::FIXED
+        };
+        let frame = target.frame(&shadow);
+        let hit = (0..body.node_count()).any(|i| {
+            let v = body.state.velocity(i);
+            if v.length_squared() < threshold * threshold {
+                return false;
+            }
+            let (depth, normal) = target.depth(&frame, body.state.position(i) - frame.position);
+            let closing = -v.dot(normal);
+            closing > threshold && depth + 1.5 * closing * search.dt > 0.0
+        });
+        if hit {
+            found.push(handle);
+        }
+    }
+    found
 }

@@ -8,6 +8,7 @@ use super::report::{StepReport, note};
 use super::substep::{Group, Settings};
 use super::{DeformableWorld, RapierParts, reach};
 use crate::coupling::handover;
+use crate::coupling::memory::BodyMemory;
 use crate::math::{Pose, wide};
 use rapier3d::dynamics::{IntegrationParameters, RigidBodyHandle, RigidBodySet};
 use rapier3d::pipeline::{EventHandler, PhysicsHooks, PhysicsWorld};
@@ -43,6 +44,7 @@ impl DeformableWorld {
             world.step_with_events(hooks, events);
             return;
         }
+        self.wake_sleepers_in_the_way(&mut RapierParts::from(&mut *world), dt);
         let steps = self.rigid_steps(&RapierParts::from(&mut *world), dt);
         self.report.rigid_steps = steps;
         let targets = KinematicTargets::read(&world.bodies, steps);
@@ -75,6 +77,7 @@ impl DeformableWorld {
             self.report.invalid_dt = Some(dt);
         } else if dt > 0.0 {
             self.report.rigid_steps = 1;
+            self.wake_sleepers_in_the_way(parts, dt);
             self.advance(parts, dt, dt, dt, observer);
         }
     }
@@ -106,6 +109,25 @@ impl DeformableWorld {
         substeps.max().unwrap_or(1)
     }
 
+    /// Wakes bodies that a deformable is about to hit, at twice the speed below which Rapier lets bodies sleep.
+    fn wake_sleepers_in_the_way(&self, parts: &mut RapierParts, dt: f64) {
+        let threshold = 0.1 * parts.length_unit();
+        let strays = reach::strays(&self.known, parts);
+        let search = Search {
+            parts,
+            rigid_speed: reach::fastest_rigid(parts),
+            strays: &strays,
+            dt,
+        };
+        let mut wake = Vec::new();
+        for (_, body) in self.iter().filter(|(_, b)| b.is_enabled()) {
+            wake.extend(reach::sleepers_in_the_way(body, &search, threshold));
+        }
+        for handle in wake {
+            parts.islands.wake_up(parts.bodies, handle, true);
+        }
+    }
+
     fn can_touch_awake_body(&self, parts: &RapierParts, dt: f64) -> bool {
         let awake = |h: RigidBodyHandle| {
             parts
@@ -113,8 +135,7 @@ impl DeformableWorld {
                 .get(h)
                 .is_some_and(|b| b.is_dynamic() && !b.is_sleeping() && b.is_enabled())
         };
-        // Looked up without remembering: the groups' own search must find the same strays.
-        let strays = reach::strays(&mut self.known.clone(), parts);
+        let strays = reach::strays(&self.known, parts);
         let search = Search {
             parts,
             rigid_speed: reach::fastest_rigid(parts),
@@ -141,12 +162,16 @@ impl DeformableWorld {
     ) {
         self.drop_stale_attachments(parts);
         self.wake_on_new_gravity(parts);
+        for (_, attachment) in self.attachments.iter_mut() {
+            (attachment.force, attachment.torque) = Default::default();
+        }
         let defaults = self.params;
         for (_, body) in self.bodies.iter_mut().filter(|(_, b)| b.is_enabled()) {
             body.defaults = defaults;
             body.state.recentre(parts.length_unit());
+            body.solver.time = self.time;
             body.prepare(parts.gravity, left);
-            body.backup.clone_from(&body.state);
+            body.back_up();
         }
         let mut parity = self.parity;
         for mut group in self.form_groups(parts, dt) {
@@ -174,17 +199,17 @@ impl DeformableWorld {
             touching: 1e-5 * unit,
             length_unit: unit,
         };
-        // The stable substep changes as bodies crumple, so a long rigid step is looked at anew in stretches.
-        let stretches =
-            ((dt / self.params.review_interval.max(1e-6) - 1e-6).ceil() as usize).max(1);
-        let stretch = dt / stretches as f64;
-        let mut time = self.time;
-        let mut parity = self.parity;
-        for _ in 0..stretches {
-            let n = self.group_substeps(group, stretch, frame);
+        let (mut time, mut parity) = (self.time, self.parity);
+        let mut left = dt;
+        while left > 0.0 {
+            // The stable substep changes as bodies crumple, so a long rigid step is looked at anew now and then, unless
+            // what is left is a matter of a few substeps.
+            let needed = self.group_substeps(group, left, frame);
+            let reviews = (left / self.params.review_interval.max(1e-6) - 1e-6).ceil() as usize;
+            let n = needed.div_ceil(reviews.min(needed / 8).max(1));
             Self::report_group(&mut self.report, group, n);
+            let h = left / needed as f64;
             for _ in 0..n {
-                let h = stretch / n as f64;
                 time += h;
                 parity = !parity;
                 if !group.substep(h, time, parity, &settings, observer) {
@@ -192,6 +217,11 @@ impl DeformableWorld {
                     return false;
                 }
             }
+            left = if n < needed { left - n as f64 * h } else { 0.0 };
+        }
+        // What rows did in the last substep, no integration pass has seen yet.
+        if !group.freeze_non_finite() {
+            self.freeze(group);
         }
         parity != self.parity
     }
@@ -216,7 +246,7 @@ impl DeformableWorld {
                 log::warn!("deformable {handle:?} became non-finite and was frozen");
                 note(&mut self.report.frozen, *handle);
             } else {
-                body.state.clone_from(&body.backup);
+                body.go_back();
             }
             body.slots.fill(u32::MAX);
         }
@@ -238,10 +268,12 @@ impl DeformableWorld {
             near,
         } in std::mem::take(&mut self.waiting)
         {
+            let sleeping = parts.bodies.get(touched.body);
+            let sleeping = sleeping.is_some_and(|b| b.is_sleeping());
             let memory = self
                 .memory
                 .entry(touched.body.into_raw_parts())
-                .or_default();
+                .or_insert_with(|| BodyMemory::first_seen(sleeping));
             memory.seen = self.steps;
             memory.near = near;
             memory.feel(end.impulse, dt);

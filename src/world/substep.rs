@@ -8,6 +8,7 @@ use super::{AttachmentHandle, Deformable, DeformableHandle};
 use crate::body::SpringId;
 use crate::contact::candidates::{Candidates, Reach};
 use crate::coupling::attach::Attachment;
+use crate::coupling::observe::Answer;
 use crate::law::row::push_out;
 use crate::math::DVec3;
 use crate::solve::rows::{RowNode, Rows};
@@ -27,7 +28,7 @@ pub(super) struct Attached {
 }
 
 /// Deformables that share substeps and rows, and the shadows of what they can touch.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Group {
     pub members: Vec<(DeformableHandle, Box<Deformable>)>,
     /// Per member, sorted by collider.
@@ -56,10 +57,16 @@ pub(super) struct Settings {
 }
 
 impl Group {
-    pub fn new() -> Self {
+    pub fn empty() -> Self {
         Self {
+            members: Vec::new(),
+            candidates: Vec::new(),
             shadows: vec![Shadow::FIXED],
-            ..Self::default()
+            touched: Vec::new(),
+            attachments: Vec::new(),
+            pairs: Vec::new(),
+            tied: Vec::new(),
+            rows: Rows::default(),
         }
     }
 
@@ -113,7 +120,7 @@ impl Group {
         for (_, body) in &mut self.members {
             body.predict(h);
         }
-        self.read_free_velocities();
+        self.read_free_velocities(h);
         self.rows.solve(&mut self.shadows, h, s.passes, reversed);
         self.write_velocities(h);
         self.push_out(h, s);
@@ -134,18 +141,13 @@ impl Group {
     /// Contacts and ties at the positions the substep starts from.
     fn find_rows(&mut self, h: f64, s: &Settings) {
         self.rows.clear();
-        for (m, ((_, body), candidates)) in self
-            .members
-            .iter_mut()
-            .zip(&mut self.candidates)
-            .enumerate()
+        for (m, ((_, body), candidates)) in
+            (0..).zip(self.members.iter_mut().zip(&mut self.candidates))
         {
             let speed = f64::from(body.solver.speed_squared).sqrt();
             for c in candidates.iter_mut() {
                 let shadow = &self.shadows[c.target.shadow as usize];
-                let target_speed = shadow.v.length()
-                    + shadow.w.length() * (c.target.offset.length() + 4.0 * s.length_unit);
-                let moved = h * (speed + target_speed);
+                let moved = h * (speed + c.target.speed(shadow));
                 c.refresh(&body.state, shadow, moved, s.margin);
                 let slack = h * s.length_unit;
                 let reach = Reach {
@@ -155,7 +157,7 @@ impl Group {
                     farthest: s.touching + slack + 2.0 * moved,
                 };
                 c.add_rows(
-                    m as u32,
+                    m,
                     &body.state,
                     shadow,
                     &mut body.slots,
@@ -163,54 +165,65 @@ impl Group {
                     reach,
                 );
             }
-        }
-        for (i, a) in self.attachments.iter().enumerate() {
-            let body = &mut self.members[a.member as usize].1;
-            let shadow = (a.shadow, &self.shadows[a.shadow as usize]);
-            a.attachment.add_ties(
-                i as u32,
-                a.member,
-                shadow,
-                &body.state,
-                &mut body.slots,
-                &mut self.rows,
-            );
+            for (i, a) in (0..).zip(&self.attachments).filter(|(_, a)| a.member == m) {
+                let shadow = (a.shadow, &self.shadows[a.shadow as usize]);
+                a.attachment
+                    .add_ties(i, m, shadow, &body.state, &mut body.slots, &mut self.rows);
+            }
         }
     }
 
-    fn read_free_velocities(&mut self) {
+    fn read_free_velocities(&mut self, h: f64) {
         for node in &mut self.rows.nodes {
-            node.free = self.members[node.body as usize]
-                .1
-                .state
-                .velocity(node.node as usize);
+            let body = &self.members[node.body as usize].1;
+            node.free = body.free_velocity(node.node as usize, h);
             node.v = node.free;
         }
     }
 
     fn write_velocities(&mut self, h: f64) {
-        for node in &self.rows.nodes {
-            let body = &mut self.members[node.body as usize].1;
-            body.slots[node.node as usize] = u32::MAX;
-            if node.v != node.free {
-                let integrator = body.integrator();
-                let Deformable { solver, state, .. } = &mut **body;
-                solver.kick(state, integrator, node.node as usize, node.v - node.free, h);
+        // Row nodes come member by member, because rows are found so.
+        for nodes in self.rows.nodes.chunk_by(|a, b| a.body == b.body) {
+            let body = &mut self.members[nodes[0].body as usize].1;
+            for node in nodes {
+                body.slots[node.node as usize] = u32::MAX;
             }
+            let changed = nodes.iter().filter(|n| n.v != n.free);
+            body.take_impulses(changed.map(|n| (n.node as usize, n.v - n.free)), h);
         }
     }
 
-    /// Mends depth and tie errors at position level, on the node alone. What that changes in stored energy is booked.
+    /// Mends depth and tie errors at position level, on the node alone, which gives nothing any velocity. What that changes
+    /// in stored energy is booked; the angular momentum that a moved node loses goes to the body it is moved out of, if
+    /// that is free.
     fn push_out(&mut self, h: f64, s: &Settings) {
-        for row in self.rows.contacts.iter().filter(|r| r.depth > 0.0) {
+        let Self {
+            rows,
+            members,
+            shadows,
+            touched,
+            ..
+        } = self;
+        let mut mend = |node: u32, shadow: u32, by: DVec3| {
+            let lost = displace(members, &rows.nodes[node as usize], by);
+            if (shadow as usize)
+                .checked_sub(1)
+                .is_some_and(|i| touched[i].answer == Answer::Free)
+            {
+                let shadow = &mut shadows[shadow as usize];
+                shadow.w += shadow.inv_inertia * lost;
+                shadow.torque += lost;
+            }
+        };
+        for row in rows.contacts.iter().filter(|r| r.depth > 0.0) {
             let by = row.normal * push_out(row.depth, h, s.push_out);
-            displace(&mut self.members, &self.rows.nodes[row.node as usize], by);
+            mend(row.node, row.shadow, by);
         }
-        for tie in &self.rows.ties {
+        for tie in &rows.ties {
             let length = tie.error.length();
             if length > 0.0 {
                 let by = tie.error * (-push_out(length, h, s.push_out) / length);
-                displace(&mut self.members, &self.rows.nodes[tie.node as usize], by);
+                mend(tie.node, tie.shadow, by);
             }
         }
     }
@@ -248,6 +261,19 @@ impl Group {
         }
     }
 
+    /// Freezes bodies whose state is not finite any more; `false` if there are any.
+    pub fn freeze_non_finite(&mut self) -> bool {
+        let mut sound = true;
+        for (_, body) in &mut self.members {
+            if !body.state.is_finite() {
+                body.freeze();
+                sound = false;
+            }
+        }
+        sound
+    }
+
+    /// The same by the speeds that the integration pass has seen, which costs nothing.
     fn freeze_broken(&mut self) -> bool {
         let mut sound = true;
         for (_, body) in &mut self.members {
@@ -319,34 +345,10 @@ impl Group {
     }
 }
 
-impl Deformable {
-    fn predict(&mut self, h: f64) {
-        let integrator = self.integrator();
-        let Self {
-            solver,
-            state,
-            field,
-            ..
-        } = self;
-        solver.predict(state, integrator, h, field.as_deref());
-        self.h = h;
-    }
-
-    fn finish(&mut self, h: f64) {
-        let integrator = self.integrator();
-        let Self {
-            solver,
-            state,
-            field,
-            ..
-        } = self;
-        solver.finish(state, integrator, h, field.as_deref());
-    }
-}
-
 type Members = [(DeformableHandle, Box<Deformable>)];
 
-fn displace(members: &mut Members, node: &RowNode, by: DVec3) {
+/// Moves a node, books what that adds to the stored energy, and returns what it takes from the angular momentum.
+fn displace(members: &mut Members, node: &RowNode, by: DVec3) -> DVec3 {
     let body = &mut members[node.body as usize].1;
     let i = node.node as usize;
     let mass = f64::from(body.blueprint.nodes[i].mass);
@@ -354,6 +356,11 @@ fn displace(members: &mut Members, node: &RowNode, by: DVec3) {
     body.solver.work.push_out -= force.dot(by);
     let step = by.as_vec3().to_array();
     body.state.displace(i, step);
+    if node.inv_mass > 0.0 {
+        -by.cross(body.state.velocity(i) * mass)
+    } else {
+        DVec3::ZERO
+    }
 }
 
 /// The velocity whose product with an impulse on a node is its work, and where to book it. Whatever holds a pinned node
@@ -364,8 +371,13 @@ fn mean_velocity<'a>(
     impulse: DVec3,
 ) -> (DVec3, &'a mut crate::solve::work::Work) {
     let body = &mut members[node.body as usize].1;
-    let lag = body.integrator().contact_lag();
-    let mean = 0.5 * (node.free + node.v) - lag * (node.free - node.before);
+    // Leapfrog velocities stand at half substeps: the trapezoid of the displacements before and after the impulse. The
+    // other schemes know the velocity at the impulse itself, just before it and just after.
+    let mean = if body.integrator().takes_late_impulses() {
+        0.5 * (node.before + node.v)
+    } else {
+        node.before + 0.5 * (node.v - node.free)
+    };
     let work = &mut body.solver.work;
     if node.inv_mass == 0.0 {
         work.external -= impulse.dot(mean);

@@ -17,7 +17,7 @@ pub(super) fn predict<S: Scalar>(
     solver
         .start
         .extend(state.particles.iter().map(|p| (p.x, p.v)));
-    solver.evaluate(state, field, true);
+    solver.evaluate(state, field, Some(h));
     for (i, p) in state.particles.iter_mut().enumerate() {
         let a = acceleration(
             p,
@@ -25,12 +25,12 @@ pub(super) fn predict<S: Scalar>(
             applied_at(&solver.applied, i),
             solver.external.gravity,
         );
-        for k in 0..3 {
+        for (k, a) in a.into_iter().enumerate() {
             p.x[k] += half * p.v[k];
-            p.v[k] += half * a[k];
+            p.v[k] += half * a;
         }
     }
-    solver.evaluate(state, field, false);
+    solver.evaluate(state, field, None);
     let mut sums = Sums::new();
     for i in 0..state.particles.len() {
         let p = &mut state.particles[i];
@@ -40,8 +40,8 @@ pub(super) fn predict<S: Scalar>(
         sums.book(p, &solver.forces[i], applied, moved);
         let (x, v) = solver.start[i];
         p.x = x;
-        for k in 0..3 {
-            p.v[k] = v[k] + h * a[k];
+        for (k, a) in a.into_iter().enumerate() {
+            p.v[k] = v[k] + h * a;
         }
         sums.speed(p.v);
         state.displace(i, moved);

@@ -30,7 +30,7 @@ pub(super) fn predict<S: Scalar>(
         .resize(state.particles.len(), ([S::ZERO; 3], [S::ZERO; 3]));
     let mut sums = Sums::new();
     for (stage, (to_next, weight)) in STAGES.into_iter().enumerate() {
-        solver.evaluate(state, field, stage == 0);
+        solver.evaluate(state, field, (stage == 0).then_some(h));
         let (next, weight) = (h * S::of(to_next), h * S::of(weight));
         for (i, p) in state.particles.iter_mut().enumerate() {
             let applied = applied_at(&solver.applied, i);

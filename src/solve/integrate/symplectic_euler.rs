@@ -13,7 +13,7 @@ pub(super) fn predict<S: Scalar>(
     h: S,
     field: Option<&dyn ForceField>,
 ) {
-    solver.evaluate(state, field, true);
+    solver.evaluate(state, field, Some(h));
     let half = S::of(0.5) * h;
     let mut sums = Sums::new();
     for i in 0..state.particles.len() {

@@ -1,7 +1,7 @@
 //! Velocity Verlet: v½ = v + ½h·a(x, v½), x += h·v½, v = v½ + ½h·a(x, v½).
 //!
 //! Damping is c·v½ in both halves. The first half is implicit in v½ and solved by two fixed-point passes, which keeps
-//! order 2; damping lagged by a whole step would drop it to 1. Rows act between drift and second kick.
+//! order 2; damping lagged by a whole step would drop it to 1.
 
 use super::{Sums, acceleration, applied_at};
 use crate::body::state::State;
@@ -21,10 +21,10 @@ pub(super) fn predict<S: Scalar>(
         .start
         .extend(state.particles.iter().map(|p| (p.x, p.v)));
     let damped = solver.table.damped || solver.external.drag > S::ZERO || field.is_some();
-    solver.evaluate(state, field, true);
+    solver.evaluate(state, field, Some(h));
     half_kick(solver, state, half);
     if damped {
-        solver.evaluate(state, field, false);
+        solver.evaluate(state, field, None);
         half_kick(solver, state, half);
     }
     let mut sums = Sums::new();
@@ -51,7 +51,7 @@ pub(super) fn finish<S: Scalar>(
     for (start, p) in solver.start.iter_mut().zip(&state.particles) {
         *start = (p.x, p.v);
     }
-    solver.evaluate(state, field, false);
+    solver.evaluate(state, field, None);
     half_kick(solver, state, half);
     let mut sums = Sums::new();
     for (i, p) in state.particles.iter().enumerate() {
@@ -75,8 +75,8 @@ fn half_kick<S: Scalar>(solver: &Solver<S>, state: &mut State<S>, half: S) {
             applied_at(&solver.applied, i),
             solver.external.gravity,
         );
-        for k in 0..3 {
-            p.v[k] = solver.start[i].1[k] + half * a[k];
+        for (k, a) in a.into_iter().enumerate() {
+            p.v[k] = solver.start[i].1[k] + half * a;
         }
     }
 }

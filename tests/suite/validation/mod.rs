@@ -1,4 +1,11 @@
 //! Closed forms and discrete references.
 
+mod chains;
+mod cloth;
 mod crash;
 mod impact;
+mod integrators;
+mod lattice;
+mod ledger;
+mod momentum;
+mod slope;

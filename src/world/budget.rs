@@ -1,0 +1,72 @@
+//! How many substeps a body needs, and whether it gets them.
+
+use super::Deformable;
+use super::params::Substeps;
+use crate::body::BuildError;
+use crate::solve::stable::StableStep;
+
+impl Deformable {
+    /// The longest stable substep of its scheme now, and the spring that sets it.
+    pub fn stable_step(&self) -> StableStep {
+        self.solver.stable_step(&self.state, self.integrator())
+    }
+
+    /// Whether the body is stable within its budget.
+    pub(super) fn check_budget(&self) -> Result<(), BuildError> {
+        let substeps = self.substeps();
+        substeps.check()?;
+        let stable = self.stable_step();
+        let min_h = match substeps {
+            Substeps::Auto { safety, min_h } => min_h / safety,
+            Substeps::Fixed(n) => self.defaults.expected_dt / n as f64,
+            Substeps::Unchecked(_) => return Ok(()),
+        };
+        match stable.spring {
+            Some(spring) if stable.never => Err(BuildError::NeverStable {
+                integrator: self.integrator().name(),
+                spring,
+            }),
+            Some(spring) if stable.h < min_h => Err(self.unstable(spring, stable.h, min_h)),
+            _ => Ok(()),
+        }
+    }
+
+    fn unstable(&self, spring: u32, needed_h: f64, min_h: f64) -> BuildError {
+        let s = &self.blueprint.springs[spring as usize];
+        let mass = |n: u32| self.blueprint.nodes[n as usize].mass;
+        BuildError::Unstable {
+            spring,
+            stiffness: s.stiffness,
+            damping: s.damping,
+            mass_a: mass(s.nodes[0]),
+            mass_b: mass(s.nodes[1]),
+            needed_h,
+            min_h,
+        }
+    }
+
+    /// How many substeps a stretch of `dt` s needs, and whether it asked for too few. `frame` is the world's step.
+    pub(super) fn substeps_for(&self, dt: f64, frame: f64) -> (usize, bool) {
+        let stable = self.stable_step();
+        let count = |h: f64| ((dt / h).ceil() as usize).max(1);
+        let share = |n: usize| ((n as f64 * dt / frame).round() as usize).max(1);
+        match self.substeps() {
+            // A scheme that became unstable at every substep, or a budget that lost its bounds, after insertion: no number
+            // is right, so a moderate one is taken and reported.
+            Substeps::Auto { safety, min_h }
+                if stable.never || safety.is_nan() || safety <= 0.0 || min_h.is_nan() =>
+            {
+                (count(1e-4), true)
+            }
+            Substeps::Auto { safety, min_h } => {
+                let n = count((stable.h * safety).max(min_h).max(1e-9));
+                (n, dt / n as f64 > stable.h * (1.0 + 1e-9))
+            }
+            Substeps::Fixed(n) => {
+                let needed = if stable.never { 0 } else { count(stable.h) };
+                (share(n).max(needed), share(n) < needed)
+            }
+            Substeps::Unchecked(n) => (share(n), dt / share(n) as f64 > stable.h),
+        }
+    }
+}

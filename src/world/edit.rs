@@ -1,0 +1,243 @@
+//! Changing a body between steps. Values are editable, lengths are not; whatever changes stored energy is booked as external
+//! work, so that the balance stays closed.
+
+use super::Deformable;
+use crate::body::{BuildError, NodeId, Spring, SpringId};
+use crate::contact::target::{Surface, wide_rotation};
+use crate::math::{Pose, Real, Vector, wide};
+use crate::solve::external::ForceField;
+use crate::solve::springs::SpringTable;
+use std::sync::Arc;
+
+impl Deformable {
+    /// Books a change made from outside, so that the energy balance stays closed: it is external work.
+    pub(super) fn edit<T>(&mut self, change: impl FnOnce(&mut Self) -> T) -> T {
+        let before = self.energies().balance();
+        let result = change(self);
+        let after = self.energies().balance();
+        self.solver.work.external += after - before;
+        result
+    }
+
+    /// Enables or disables the body. A disabled body stays where it is and touches nothing.
+    pub fn set_enabled(&mut self, enabled: bool) {
+        self.enabled = enabled;
+    }
+
+    /// Friction and collision groups.
+    pub fn surface_mut(&mut self) -> &mut Surface {
+        &mut self.surface
+    }
+
+    /// Puts a node somewhere in the world \[m\]. Unknown ids and values that are not finite change nothing: `false`.
+    pub fn set_position(&mut self, node: NodeId, position: Vector) -> bool {
+        let ok = node.index() < self.node_count() && position.is_finite();
+        if ok {
+            self.edit(|body| body.state.set_position(node.index(), wide(position)));
+        }
+        ok
+    }
+
+    /// Sets the velocity of a node \[m/s\]; a pinned one goes on at it until told otherwise. Unknown ids and values that are not finite change nothing: `false`.
+    pub fn set_linvel_of(&mut self, node: NodeId, linvel: Vector) -> bool {
+        let ok = node.index() < self.node_count() && linvel.is_finite();
+        if ok {
+            self.edit(|body| body.state.set_velocity(node.index(), wide(linvel)));
+        }
+        ok
+    }
+
+    /// Gives all nodes that are not pinned one velocity \[m/s\]. Values that are not finite change nothing: `false`.
+    pub fn set_linvel(&mut self, linvel: Vector) -> bool {
+        self.set_velocities(linvel, Vector::ZERO)
+    }
+
+    /// Gives the body the velocity field of a rigid one: `linvel` \[m/s\] of its centre of mass and `angvel` \[rad/s\];
+    /// pinned nodes stay. Values that are not finite change nothing: `false`.
+    pub fn set_velocities(&mut self, linvel: Vector, angvel: Vector) -> bool {
+        let ok = linvel.is_finite() && angvel.is_finite();
+        if ok {
+            let com = self.center_of_mass();
+            self.edit(|body| {
+                for i in 0..body.node_count() {
+                    if body.state.particles[i].inv_mass == 0.0 {
+                        continue;
+                    }
+                    let arm = body.state.position(i) - com;
+                    body.state
+                        .set_velocity(i, wide(linvel) + wide(angvel).cross(arm));
+                }
+            });
+        }
+        ok
+    }
+
+    /// Moves the body rigidly: every node goes through `motion`, velocities are turned with it. Values that are not
+    /// finite change nothing: `false`.
+    pub fn transform(&mut self, motion: Pose) -> bool {
+        let turn = wide_rotation(motion.rotation);
+        // A rotation of length 0 is none.
+        let ok = motion.is_finite() && turn.is_finite();
+        if ok {
+            let shift = wide(motion.translation);
+            self.edit(|body| {
+                for i in 0..body.node_count() {
+                    let (x, v) = (body.state.position(i), body.state.velocity(i));
+                    body.state.set_position(i, turn * x + shift);
+                    body.state.set_velocity(i, turn * v);
+                }
+                body.state.recentre(1.0);
+            });
+        }
+        ok
+    }
+
+    /// Pins a node where it is, or lets it go. Unknown ids change nothing: `false`.
+    pub fn set_pinned(&mut self, node: NodeId, pinned: bool) -> bool {
+        let ok = node.index() < self.node_count();
+        if ok {
+            self.edit(|body| {
+                let mass = body.blueprint.nodes[node.index()].mass;
+                let particle = &mut body.state.particles[node.index()];
+                particle.inv_mass = if pinned { 0.0 } else { 1.0 / mass };
+                if pinned {
+                    particle.v = [0.0; 3];
+                }
+                body.blueprint.nodes[node.index()].pinned = pinned;
+                body.led.retain(|(n, _)| pinned || *n != node.0);
+            });
+        }
+        ok
+    }
+
+    /// Leads a pinned node to a point of the world \[m\], to be reached at the end of the coming step. Nodes that are not
+    /// pinned, unknown ids and points that are not finite change nothing: `false`.
+    pub fn set_kinematic_target(&mut self, node: NodeId, target: Vector) -> bool {
+        let ok = target.is_finite()
+            && self
+                .state
+                .particles
+                .get(node.index())
+                .is_some_and(|p| p.inv_mass == 0.0);
+        if ok {
+            self.led.retain(|(n, _)| *n != node.0);
+            self.led.push((node.0, wide(target)));
+        }
+        ok
+    }
+
+    /// Sets the force that acts on a node until changed \[N\]. Unknown ids and forces that are not finite change
+    /// nothing: `false`.
+    pub fn set_node_force(&mut self, node: NodeId, force: Vector) -> bool {
+        self.force_slot(node, force)
+            .map(|(kept, _)| *kept = force)
+            .is_some()
+    }
+
+    /// Adds to the force that acts on a node during the coming step only \[N\]. Unknown ids and forces that are not
+    /// finite change nothing: `false`.
+    pub fn add_step_force(&mut self, node: NodeId, force: Vector) -> bool {
+        self.force_slot(node, force)
+            .map(|(_, once)| *once += force)
+            .is_some()
+    }
+
+    fn force_slot(&mut self, node: NodeId, force: Vector) -> Option<&mut (Vector, Vector)> {
+        if !force.is_finite() || node.index() >= self.node_count() {
+            return None;
+        }
+        self.node_forces
+            .resize(self.node_count(), Default::default());
+        self.node_forces.get_mut(node.index())
+    }
+
+    /// Sets the force field on all nodes; `None` for none.
+    pub fn set_force_field(&mut self, field: Option<Arc<dyn ForceField>>) {
+        self.field = field;
+    }
+
+    /// Changes a spring. Its nodes and rest length at build stay what they are.
+    ///
+    /// # Errors
+    /// A constant out of range, an unknown spring, or a body that would need substeps shorter than its budget; the body
+    /// is then as before.
+    pub fn set_spring(
+        &mut self,
+        spring: SpringId,
+        change: impl FnOnce(&mut Spring),
+    ) -> Result<(), BuildError> {
+        let Some(old) = self.blueprint.springs.get(spring.index()).copied() else {
+            return Err(BuildError::Value {
+                what: "the spring's index",
+                value: spring.0.into(),
+                must: "less than the number of springs",
+            });
+        };
+        let mut new = old;
+        change(&mut new);
+        new.nodes = old.nodes;
+        new.rest_length = old.rest_length;
+        crate::body::error::check_constants(spring.0, &new)?;
+        let work = self.solver.work;
+        self.put_spring(spring, new);
+        self.check_budget().inspect_err(|_| {
+            self.put_spring(spring, old);
+            self.solver.work = work;
+        })
+    }
+
+    fn put_spring(&mut self, id: SpringId, spring: Spring) {
+        self.edit(|body| {
+            body.blueprint.springs[id.index()] = spring;
+            body.rebuild_table();
+        });
+    }
+
+    pub(super) fn rebuild_table(&mut self) {
+        self.solver.table = SpringTable::new(&self.blueprint.springs, &self.state);
+    }
+
+    /// Changes the mass of a node \[kg\].
+    ///
+    /// # Errors
+    /// As [`Self::set_spring`].
+    pub fn set_node_mass(&mut self, node: NodeId, mass: Real) -> Result<(), BuildError> {
+        let bad = |what, value, must| BuildError::Value { what, value, must };
+        let Some(old) = self.node_mass(node) else {
+            return Err(bad(
+                "the node's index",
+                node.0.into(),
+                "less than the number of nodes",
+            ));
+        };
+        crate::body::error::positive("the node's mass", mass.into())?;
+        if !mass.is_normal() {
+            return Err(bad(
+                "the node's mass",
+                mass.into(),
+                "large enough to have an inverse",
+            ));
+        }
+        let work = self.solver.work;
+        self.put_mass(node, mass);
+        self.check_budget().inspect_err(|_| {
+            self.put_mass(node, old);
+            self.solver.work = work;
+        })
+    }
+
+    fn put_mass(&mut self, node: NodeId, mass: Real) {
+        self.edit(|body| {
+            body.blueprint.nodes[node.index()].mass = mass;
+            let particle = &mut body.state.particles[node.index()];
+            if particle.inv_mass > 0.0 {
+                particle.inv_mass = 1.0 / mass;
+            }
+        });
+    }
+
+    /// Lets a frozen body take part again, from where it stands and at rest.
+    pub fn thaw(&mut self) {
+        self.frozen = false;
+    }
+}

@@ -1,0 +1,123 @@
+//! Energies of a body: what it has now, and the work done on it so far.
+
+use super::Deformable;
+use crate::law::plastic::{self, Mapped, Yield, return_map};
+use crate::law::spring as law;
+use crate::solve::Integrator;
+use crate::solve::work::Work;
+
+/// Energies of a body and the work done on it so far \[J\].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Energies {
+    /// ½Σ m·v⁻·v⁺ with the velocities half a substep before and after for symplectic Euler and velocity Verlet, which are
+    /// leapfrog; ½Σ m·v² for the other schemes.
+    pub kinetic: f64,
+    /// Held by the springs.
+    pub elastic: f64,
+    /// Σ −m·g·x, relative to where the body was inserted.
+    pub gravity: f64,
+    /// Sums of dissipation and external work.
+    pub work: Work,
+}
+
+impl Energies {
+    /// Everything that stays constant: kinetic + elastic + gravity + dissipation − external work − work received from
+    /// rigid bodies − what moving nodes out of colliders added.
+    pub fn balance(&self) -> f64 {
+        let w = &self.work;
+        self.kinetic + self.elastic + self.gravity + self.dissipated()
+            - w.external
+            - w.rigid
+            - w.push_out
+    }
+
+    /// Plastic, damping, fracture and contact losses together.
+    pub fn dissipated(&self) -> f64 {
+        let w = &self.work;
+        w.damping + w.plastic + w.fracture + w.contact_normal + w.contact_friction
+    }
+
+    /// What a residual is measured against: kinetic + elastic + dissipation + |work of gravity| + |external work|.
+    pub fn scale(&self) -> f64 {
+        self.kinetic
+            + self.elastic
+            + self.dissipated().abs()
+            + self.gravity.abs()
+            + self.work.external.abs()
+            + self.work.rigid.abs()
+    }
+}
+
+impl Deformable {
+    /// Energies now and work so far.
+    pub fn energies(&self) -> Energies {
+        let gravity = self.gravity();
+        let mut energies = Energies {
+            work: self.solver.work,
+            ..Energies::default()
+        };
+        // Velocities of symplectic Euler stand half a substep back: ½·h·F·v brings the kinetic energy to the positions'.
+        let lead = if self.integrator() == Integrator::SymplecticEuler {
+            0.5 * self.h
+        } else {
+            0.0
+        };
+        let verlet = self.integrator() == Integrator::VelocityVerlet;
+        for (i, mass) in self.nodes_with_mass() {
+            if self.state.particles[i].inv_mass == 0.0 {
+                continue;
+            }
+            let v = self.state.velocity(i);
+            energies.kinetic += mass * (0.5 * v.length_squared() + lead * gravity.dot(v));
+            if verlet {
+                // Leapfrog by another name: ½m·v⁻·v⁺ with v± = v ± ½h·a.
+                let force = self.solver.force(i) + gravity * mass;
+                energies.kinetic -= 0.125 * (self.h * force).length_squared() / mass;
+            }
+            energies.gravity -= mass * gravity.dot(self.state.position(i) - self.datum);
+        }
+        for (i, link) in self.solver.table.links.iter().enumerate() {
+            let stiffness = f64::from(link.stiffness);
+            if stiffness == 0.0 {
+                continue;
+            }
+            let (a, b) = (link.a as usize, link.b as usize);
+            let d = self.state.local(b) - self.state.local(a);
+            let length = d.length();
+            let mapped = self.mapped(i, length, stiffness);
+            energies.elastic += law::energy(stiffness, mapped.tension / stiffness);
+            let rate = (self.state.velocity(b) - self.state.velocity(a)).dot(d)
+                / length.max(f64::MIN_POSITIVE);
+            let last = stiffness * (length - f64::from(self.state.rest[i]) - self.h * rate);
+            energies.work.plastic += plastic::work(last, &mapped);
+            energies.kinetic -= lead * mapped.tension * rate;
+        }
+        energies
+    }
+
+    /// Tension of a spring at a length, and the flow that the next force evaluation will commit.
+    pub(super) fn mapped(&self, spring: usize, length: f64, stiffness: f64) -> Mapped<f64> {
+        let elongation = length - f64::from(self.state.rest[spring]);
+        match self.solver.table.limits.get(spring) {
+            None => Mapped {
+                tension: law::tension(stiffness, elongation),
+                flow: 0.0,
+            },
+            Some(limit) => {
+                let y = limit.yields;
+                let yields = Yield {
+                    tension: f64::from(y.tension),
+                    compression: f64::from(y.compression),
+                    hardening: f64::from(y.hardening),
+                    inverse: f64::from(y.inverse),
+                };
+                return_map(
+                    stiffness,
+                    elongation,
+                    self.state.flow[spring].into(),
+                    &yields,
+                )
+            }
+        }
+    }
+}

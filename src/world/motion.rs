@@ -1,0 +1,149 @@
+//! How a body moves within a step: what it is prepared with, its free motion, the impulses of rows, and the way back when a
+//! step goes wrong.
+
+use super::Deformable;
+use crate::body::state::Particle;
+use crate::math::{DVec3, Real, Vector};
+use crate::solve::work::Work;
+
+/// What a second prediction starts from.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Start {
+    particles: Vec<Particle<Real>>,
+    low: Vec<[Real; 3]>,
+    work: Work,
+}
+
+impl Deformable {
+    /// Fills the solver's forces from outside for the coming rigid step, and leads its kinematic nodes for `remaining` s.
+    pub(super) fn prepare(&mut self, gravity: Vector, remaining: f64) {
+        let gravity = (gravity * self.gravity_scale).to_array();
+        if gravity != self.solver.external.gravity {
+            self.edit(|body| body.solver.external.gravity = gravity);
+        }
+        let forces = &mut self.solver.external.node_forces;
+        forces.clear();
+        forces.extend(
+            self.node_forces
+                .iter()
+                .map(|(kept, once)| (*kept + *once).to_array()),
+        );
+        for &(node, target) in &self.led {
+            let v = (target - self.state.position(node as usize)) / remaining;
+            self.state.set_velocity(node as usize, v);
+        }
+        self.solver.speed_squared = self.max_speed_squared();
+    }
+
+    /// Moves freely over h s.
+    pub(super) fn predict(&mut self, h: f64) {
+        self.h = h;
+        if !self.integrator().takes_late_impulses() {
+            self.start.particles.clone_from(&self.state.particles);
+            self.start.low.clone_from(&self.state.low);
+            self.start.work = self.solver.work;
+        }
+        self.free_motion(h);
+    }
+
+    fn free_motion(&mut self, h: f64) {
+        let integrator = self.integrator();
+        let Self {
+            solver,
+            state,
+            field,
+            ..
+        } = self;
+        solver.predict(state, integrator, h, field.as_deref());
+    }
+
+    /// The velocity by which a node has moved in the free motion \[m/s\].
+    pub(super) fn free_velocity(&self, node: usize, h: f64) -> DVec3 {
+        if self.integrator().takes_late_impulses() {
+            return self.state.velocity(node);
+        }
+        let (x, low) = (self.start.particles[node].x, self.start.low[node]);
+        let start = DVec3::new(x[0].into(), x[1].into(), x[2].into())
+            + DVec3::new(low[0].into(), low[1].into(), low[2].into());
+        (self.state.local(node) - start) / h
+    }
+
+    /// Gives rows' velocity changes to the nodes, and moves anew where the scheme wants it.
+    pub(super) fn take_impulses(&mut self, changes: impl Iterator<Item = (usize, DVec3)>, h: f64) {
+        if self.integrator().takes_late_impulses() {
+            for (node, change) in changes {
+                self.solver.kick(&mut self.state, node, change, h);
+            }
+            return;
+        }
+        let mut changes = changes.peekable();
+        if changes.peek().is_none() {
+            return;
+        }
+        self.state.particles.clone_from(&self.start.particles);
+        self.state.low.clone_from(&self.start.low);
+        // Flow and fracture were committed at the start and stay; the other sums belong to the motion that is taken back.
+        self.solver.work = Work {
+            plastic: self.solver.work.plastic,
+            fracture: self.solver.work.fracture,
+            ..self.start.work
+        };
+        for (node, change) in changes {
+            let v = self.state.velocity(node) + change;
+            self.state.set_velocity(node, v);
+        }
+        self.free_motion(h);
+    }
+
+    /// Completes the substep.
+    pub(super) fn finish(&mut self, h: f64) {
+        let integrator = self.integrator();
+        let Self {
+            solver,
+            state,
+            field,
+            ..
+        } = self;
+        solver.finish(state, integrator, h, field.as_deref());
+    }
+
+    /// Ends a step of the world: led nodes stand at their targets, one-step forces are gone.
+    pub(super) fn end_frame(&mut self) {
+        let led = std::mem::take(&mut self.led);
+        if self.is_enabled() {
+            for (node, target) in led {
+                self.state.set_position(node as usize, target);
+                self.state.set_velocity(node as usize, DVec3::ZERO);
+            }
+        }
+        for (_, once) in &mut self.node_forces {
+            *once = Vector::ZERO;
+        }
+    }
+
+    /// Remembers what [`Self::go_back`] goes back to.
+    pub(super) fn back_up(&mut self) {
+        self.backup.clone_from(&self.state);
+        self.work_backup = self.solver.work;
+    }
+
+    /// Back to the start of the rigid step: positions, velocities, what flowed and broke, and the work done.
+    pub(super) fn go_back(&mut self) {
+        self.state.clone_from(&self.backup);
+        self.solver.work = self.work_backup;
+        self.solver.events.clear();
+        self.rebuild_table();
+        self.solver.forget_forces();
+    }
+
+    /// Back to the start of the rigid step, at rest, out of the simulation.
+    pub(super) fn freeze(&mut self) {
+        self.go_back();
+        self.edit(|body| {
+            for particle in &mut body.state.particles {
+                particle.v = [0.0; 3];
+            }
+        });
+        self.frozen = true;
+    }
+}

@@ -1,0 +1,51 @@
+//! Both preludes side by side: a name in both would be ambiguous, and rustc only warns of that unless told otherwise.
+
+#![deny(ambiguous_glob_imports)]
+
+use crumple::prelude::*;
+use crumple::rapier3d::prelude::*;
+
+/// Sees nothing, but is one.
+struct Blind;
+
+impl Observer for Blind {
+    fn substep(&mut self, _: &crumple::world::Substep) {}
+}
+
+#[test]
+fn both_preludes_make_a_program() -> Result<(), BuildError> {
+    let mut world = PhysicsWorld::default();
+    let (floor, _) = world.insert(
+        RigidBodyBuilder::fixed(),
+        ColliderBuilder::cuboid(2.0, 0.1, 2.0),
+    );
+    let mut deformables = DeformableWorld::default();
+    let params: &mut DeformableParameters = &mut deformables.params;
+    params.integrator = Integrator::VelocityVerlet;
+    params.substeps = Substeps::default();
+    let net: Net = lattice(Vector::splat(0.2), 0.1)?;
+    let spring: Spring = net.springs[0];
+    let block: DeformableHandle = deformables.insert(
+        DeformableBuilder::new(net)
+            .material(Material::rubber())
+            .translation(Vector::new(0.0, 0.3, 0.0)),
+    )?;
+    let held: AttachmentHandle = deformables
+        .attach(block, &[NodeId(0)], floor, &world.bodies)
+        .expect("both exist");
+    for f in [
+        sheet(1.0, 1.0, 3, 3, 0.1),
+        rope(Vector::X, Vector::Y, 2, 0.1),
+    ] {
+        f?.check()?;
+    }
+    assert!(filled(&Default::default(), 0.1).is_err());
+    for _ in 0..3 {
+        deformables.step_with(&mut world, &(), &(), &mut Blind);
+    }
+    let body: &Deformable = &deformables[block];
+    assert_eq!(body.blueprint().springs[0].nodes, spring.nodes);
+    assert!(body.tension(SpringId(0)).is_some());
+    assert!(deformables.attachment_force(held).is_some());
+    Ok(())
+}

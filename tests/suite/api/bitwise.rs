@@ -1,0 +1,157 @@
+//! What deformables don't touch moves bit for bit as in Rapier alone.
+
+use crate::fixtures::{bits, cube};
+use crumple::prelude::*;
+use crumple::rapier3d::prelude::*;
+
+/// Twenty bodies of five shapes, some jointed, fall into a heap; far off a floor and a kinematic paddle.
+fn pile() -> PhysicsWorld {
+    let mut world = PhysicsWorld::default();
+    let ground = RigidBodyBuilder::fixed().translation(Vector::Y * -0.5);
+    world.insert(ground, ColliderBuilder::cuboid(10.0, 0.5, 10.0));
+    let mut last = None;
+    for i in 0..20 {
+        let (x, z) = ((i % 3) as f32 * 0.35 - 0.3, (i % 2) as f32 * 0.3);
+        let collider = match i % 5 {
+            0 => ColliderBuilder::cuboid(0.2, 0.1, 0.15),
+            1 => ColliderBuilder::ball(0.15),
+            2 => ColliderBuilder::capsule_y(0.1, 0.1),
+            3 => ColliderBuilder::cylinder(0.1, 0.15),
+            _ => ColliderBuilder::cone(0.15, 0.15),
+        };
+        let at = RigidBodyBuilder::dynamic()
+            .translation(Vector::new(x, 0.3 + 0.35 * i as f32, z))
+            .angvel(Vector::new(0.1 * i as f32, 0.5, -0.3));
+        let (body, _) = world.insert(at, collider.friction(0.6).restitution(0.2));
+        if let Some(last) = last.filter(|_| i % 4 == 1) {
+            let joint = SphericalJointBuilder::new()
+                .local_anchor1(Vector::new(0.0, 0.2, 0.0))
+                .local_anchor2(Vector::new(0.0, -0.2, 0.0));
+            world.insert_impulse_joint(last, body, joint);
+        }
+        last = Some(body);
+    }
+    let ground = RigidBodyBuilder::fixed().translation(Vector::new(60.0, -0.5, 0.0));
+    world.insert(ground, ColliderBuilder::cuboid(10.0, 0.5, 10.0));
+    let paddle = RigidBodyBuilder::kinematic_velocity_based()
+        .translation(Vector::new(59.0, 0.3, 0.0))
+        .linvel(Vector::X * 0.5);
+    world.insert(paddle, ColliderBuilder::cuboid(0.1, 0.3, 0.3));
+    world
+}
+
+#[test]
+fn without_dynamic_contact_rapier_is_alone() {
+    let (mut plain, mut empty, mut beside) = (pile(), pile(), pile());
+    let mut none = DeformableWorld::new();
+    let mut set = DeformableWorld::new();
+    let soft = set
+        .insert(cube(0.3).translation(Vector::new(59.5, 0.2, 0.0)))
+        .unwrap();
+    for step in 0..600 {
+        plain.step();
+        none.step(&mut empty);
+        set.step(&mut beside);
+        assert_eq!(bits(&empty), bits(&plain), "no deformable, step {step}");
+        assert_eq!(
+            bits(&beside),
+            bits(&plain),
+            "beside fixed and kinematic bodies, step {step}"
+        );
+    }
+    let x = set[soft].center_of_mass().x;
+    assert!(
+        x > 60.0,
+        "the paddle must have pushed the cube, which is at {x} m"
+    );
+}
+
+/// Rapier's own soft bodies and deformables pass through each other, bit for bit as if alone.
+#[test]
+fn rapiers_soft_bodies_are_left_alone() {
+    let scene = |jelly: bool, soft: bool| {
+        let mut world = PhysicsWorld::default();
+        let ground = RigidBodyBuilder::fixed().translation(Vector::Y * -0.5);
+        world.insert(ground, ColliderBuilder::cuboid(10.0, 0.5, 10.0));
+        let handle = jelly.then(|| {
+            let center = Vector::new(0.0, 0.6, 0.0);
+            let half = Vector::splat(0.2);
+            world.insert_soft_body(SoftBodyBuilder::cuboid(center, half, 3, 3, 3))
+        });
+        let mut set = DeformableWorld::new();
+        if soft {
+            let at = Vector::new(0.05, 0.9, 0.0);
+            set.insert(cube(0.3).translation(at)).unwrap();
+        }
+        let mut trace = Vec::new();
+        for _ in 0..60 {
+            set.step(&mut world);
+            if let Some(handle) = handle {
+                let positions = world.soft_bodies[handle].particle_positions();
+                trace.extend(positions.map(|p| p.to_array().map(f32::to_bits)));
+            }
+        }
+        (trace, set.state_hash())
+    };
+    let both = scene(true, true);
+    assert_eq!(both.0.len(), 60 * 27);
+    assert_ne!(both.0[0], both.0[59 * 27], "the soft body must move");
+    assert_eq!(both.0, scene(true, false).0);
+    assert_eq!(both.1, scene(false, true).1);
+}
+
+/// Ten boxes, and far away a cube that falls on a dynamic box and makes Rapier take four steps a frame for a while. How
+/// far any of the ten went, and the counts of Rapier's steps.
+fn stack(sleeps: bool) -> (f32, Vec<usize>) {
+    let mut world = PhysicsWorld::default();
+    let ground = RigidBodyBuilder::fixed().translation(Vector::Y * -0.5);
+    world.insert(ground, ColliderBuilder::cuboid(50.0, 0.5, 10.0));
+    let mut insert = |at, sleeps| {
+        let body = RigidBodyBuilder::dynamic()
+            .translation(at)
+            .can_sleep(sleeps);
+        world
+            .insert(body, ColliderBuilder::cuboid(0.25, 0.25, 0.25))
+            .0
+    };
+    let boxes: Vec<_> = (0..10)
+        .map(|i| insert(Vector::Y * (0.25 + 0.5 * i as f32), sleeps))
+        .collect();
+    insert(Vector::new(30.0, 0.25, 0.0), false);
+    let mut set = DeformableWorld::new();
+    for _ in 0..600 {
+        set.step(&mut world);
+    }
+    let places = |world: &PhysicsWorld| -> Vec<Vector> {
+        boxes
+            .iter()
+            .map(|&b| world.bodies[b].translation())
+            .collect()
+    };
+    let before = places(&world);
+    set.insert(cube(0.3).translation(Vector::new(30.0, 1.2, 0.0)))
+        .unwrap();
+    let (mut counts, mut most) = (Vec::new(), 0.0_f32);
+    for _ in 0..180 {
+        set.step(&mut world);
+        if counts.last() != Some(&set.report().rigid_steps) {
+            counts.push(set.report().rigid_steps);
+        }
+        for (now, then) in places(&world).iter().zip(&before) {
+            most = most.max(now.distance(*then));
+        }
+    }
+    (most, counts)
+}
+
+#[test]
+fn a_stack_elsewhere_hardly_feels_that_rapiers_step_changes() {
+    let (asleep, counts) = stack(true);
+    assert!(counts.contains(&1) && counts.contains(&4), "{counts:?}");
+    assert_eq!(asleep, 0.0, "a sleeping stack does not move at all");
+    // Rapier starts a step from the impulses of the last one, whatever its dt was: going back from four short steps to
+    // one long one lets a stack that never sleeps hop by half a per cent of a box.
+    let (awake, counts) = stack(false);
+    assert!(counts.contains(&1) && counts.contains(&4), "{counts:?}");
+    assert!(awake < 8e-3, "an awake stack moved by {awake} m");
+}

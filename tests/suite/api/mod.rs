@@ -1,0 +1,12 @@
+//! Daily use: everything a user of Rapier expects to be able to do between two steps.
+
+mod attach;
+mod bitwise;
+mod forces;
+mod handles;
+mod kinematic;
+mod rigid;
+mod sleep;
+mod state;
+mod time;
+mod units;

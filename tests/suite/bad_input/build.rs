@@ -1,0 +1,423 @@
+//! Every error of building, inserting and attaching, with the element and the value it names.
+
+use crate::fixtures::{bead, pair};
+use crumple::body::{Binding, Net, Node, Skin};
+use crumple::prelude::*;
+use crumple::rapier3d::prelude::*;
+use crumple::world::AttachError;
+
+fn build(net: Net) -> BuildError {
+    DeformableBuilder::new(net)
+        .build()
+        .expect_err("must be refused")
+}
+
+fn with(change: impl FnOnce(&mut Net)) -> BuildError {
+    let mut net = pair();
+    change(&mut net);
+    build(net)
+}
+
+const BAD: [f32; 3] = [f32::NAN, f32::INFINITY, -1.0];
+
+/// NaN is not equal to itself.
+fn same(a: f32, b: f32) -> bool {
+    a == b || (a.is_nan() && b.is_nan())
+}
+
+#[test]
+fn numbers_of_a_node() {
+    type Set = fn(&mut Node, f32);
+    let fields: [(&str, Set); 2] = [("mass", |n, v| n.mass = v), ("volume", |n, v| n.volume = v)];
+    for (name, set) in fields {
+        for bad in BAD {
+            let error = with(|net| set(&mut net.nodes[1], bad));
+            assert!(
+                matches!(error, BuildError::Node { node: 1, what, value, .. } if what == name && same(value, bad)),
+                "{error:?}"
+            );
+            assert!(error.to_string().starts_with(&format!("node 1: {name} is")));
+        }
+    }
+    for bad in [f32::NAN, f32::INFINITY] {
+        let at = Vector::new(0.0, bad, 0.0);
+        let position = with(|net| net.nodes[1].position = at);
+        assert!(
+            matches!(position, BuildError::NodeVector { node: 1, what: "position", value } if same(value.y, bad))
+        );
+        let velocity = with(|net| net.nodes[0].linvel = at);
+        assert!(
+            matches!(velocity, BuildError::NodeVector { node: 0, what: "velocity", value } if same(value.y, bad))
+        );
+    }
+}
+
+#[test]
+fn numbers_of_a_spring() {
+    type Set = fn(&mut Spring, f32);
+    let fields: [(&str, Set, &[f32]); 9] = [
+        ("section", |s, v| s.section = v, &BAD),
+        ("stiffness", |s, v| s.stiffness = v, &BAD),
+        ("damping", |s, v| s.damping = v, &BAD),
+        ("hardening", |s, v| s.hardening = v, &BAD),
+        (
+            "rest length",
+            |s, v| s.rest_length = Some(v),
+            &[f32::NAN, f32::INFINITY, -1.0, 0.0],
+        ),
+        (
+            "yield tension",
+            |s, v| s.yield_tension = v,
+            &[f32::NAN, -1.0, 0.0],
+        ),
+        (
+            "yield compression",
+            |s, v| s.yield_compression = v,
+            &[f32::NAN, -1.0, 0.0],
+        ),
+        (
+            "break force",
+            |s, v| s.break_force = v,
+            &[f32::NAN, -1.0, 0.0],
+        ),
+        (
+            "break strain",
+            |s, v| s.break_strain = v,
+            &[f32::NAN, -1.0, 0.0],
+        ),
+    ];
+    for (name, set, values) in fields {
+        for &bad in values {
+            let error = with(|net| set(&mut net.springs[0], bad));
+            assert!(
+                matches!(error, BuildError::Spring { spring: 0, what, value, .. } if what == name && same(value, bad)),
+                "{name} = {bad}: {error:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn topology() {
+    assert_eq!(build(Net::default()), BuildError::Empty);
+    let out = |what, index, node| BuildError::IndexOutOfRange {
+        what,
+        index,
+        node,
+        count: 2,
+    };
+    let second = |a, b| move |net: &mut Net| net.springs.push(Spring::new(a, b, 1.0));
+    assert_eq!(with(second(0, 2)), out("spring", 1, 2));
+    assert_eq!(with(second(u32::MAX, 1)), out("spring", 1, u32::MAX));
+    assert_eq!(with(|net| net.faces = vec![[0, 1, 7]]), out("face", 0, 7));
+    assert_eq!(
+        with(second(1, 1)),
+        BuildError::SelfSpring { spring: 1, node: 1 }
+    );
+    let zero = with(|net| net.nodes[1].position = Vector::ZERO);
+    assert!(
+        matches!(zero, BuildError::Spring { spring: 0, what: "rest length", value, .. } if value == 0.0)
+    );
+}
+
+#[test]
+fn skins() {
+    let skin = || Skin {
+        vertices: vec![Vector::ZERO; 3],
+        triangles: vec![[0, 1, 2]],
+        bindings: vec![
+            Binding {
+                nodes: [0; 8],
+                weights: [0.125; 8]
+            };
+            3
+        ],
+    };
+    let refused = |change: fn(&mut Skin)| {
+        let mut skin = skin();
+        change(&mut skin);
+        with(|net| net.skin = Some(skin))
+    };
+    assert_eq!(
+        refused(|s| s.bindings[2].nodes[3] = 9),
+        BuildError::IndexOutOfRange {
+            what: "skin vertex",
+            index: 2,
+            node: 9,
+            count: 2
+        }
+    );
+    assert!(matches!(
+        refused(|s| s.triangles[0][1] = 3),
+        BuildError::Value { value: 3.0, .. }
+    ));
+    assert!(matches!(
+        refused(|s| s.bindings.truncate(2)),
+        BuildError::Value { value: 2.0, .. }
+    ));
+    assert!(matches!(
+        refused(|s| s.bindings[1].weights[0] = f32::NAN),
+        BuildError::Value { value, .. } if value.is_nan()
+    ));
+    let mut net = pair();
+    net.skin = Some(skin());
+    assert!(DeformableBuilder::new(net).build().is_ok());
+}
+
+#[test]
+fn masses_and_materials() {
+    assert_eq!(
+        with(|net| net.nodes[1].mass = 0.0),
+        BuildError::Massless { node: 1 }
+    );
+    // 1/m must be a number, too.
+    assert_eq!(
+        with(|net| net.nodes[1].mass = 1e-40),
+        BuildError::Massless { node: 1 }
+    );
+    let section = with(|net| net.springs[0] = Spring::of_section(0, 1, 0.02));
+    assert_eq!(
+        section,
+        BuildError::NoMaterial {
+            spring: 0,
+            section: 0.02
+        }
+    );
+    let elsewhere = DeformableBuilder::new(lattice(Vector::splat(0.2), 0.1))
+        .material_where(|_| false, Material::rubber())
+        .build();
+    assert!(matches!(
+        elsewhere,
+        Err(BuildError::NoMaterial { spring: 0, .. })
+    ));
+    for bad in [f32::NAN, f32::INFINITY, -1.0, 0.0] {
+        let error = DeformableBuilder::new(pair())
+            .total_mass(bad)
+            .build()
+            .unwrap_err();
+        assert!(
+            matches!(error, BuildError::Value { what: "the total mass", value, .. } if same(value as f32, bad))
+        );
+    }
+}
+
+#[test]
+fn bad_materials() {
+    type Set = fn(&mut Material, f32);
+    let fields: [(&str, Set, &[f32]); 8] = [
+        (
+            "young modulus",
+            |m, v| m.young = v,
+            &[f32::NAN, f32::INFINITY, -1.0, 0.0],
+        ),
+        (
+            "density",
+            |m, v| m.density = v,
+            &[f32::NAN, f32::INFINITY, -1.0, 0.0],
+        ),
+        ("viscosity", |m, v| m.viscosity = v, &BAD),
+        ("hardening", |m, v| m.hardening = v, &BAD),
+        (
+            "yield stress in tension",
+            |m, v| m.yield_tension = v,
+            &[f32::NAN, -1.0, 0.0],
+        ),
+        (
+            "yield stress in compression",
+            |m, v| m.yield_compression = v,
+            &[f32::NAN, -1.0, 0.0],
+        ),
+        ("strength", |m, v| m.strength = v, &[f32::NAN, -1.0, 0.0]),
+        (
+            "break strain",
+            |m, v| m.break_strain = v,
+            &[f32::NAN, -1.0, 0.0],
+        ),
+    ];
+    for (name, set, values) in fields {
+        for &bad in values {
+            let mut material = Material::rubber();
+            set(&mut material, bad);
+            let net = || lattice(Vector::splat(0.2), 0.1);
+            let builders = [
+                DeformableBuilder::new(net()).material(material),
+                DeformableBuilder::new(net())
+                    .material(Material::rubber())
+                    .material_where(|_| true, material),
+            ];
+            for builder in builders {
+                let error = builder.build().unwrap_err();
+                assert!(
+                    matches!(error, BuildError::Value { what, value, .. }
+                        if what == format!("the material's {name}") && same(value as f32, bad)),
+                    "{error:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn numbers_of_the_builder() {
+    let nan = Vector::new(f32::NAN, 0.0, 0.0);
+    let builders = [
+        ("the translation", bead(1.0).translation(nan)),
+        ("the velocity", bead(1.0).linvel(nan)),
+        ("the angular velocity", bead(1.0).angvel(nan)),
+        ("the friction coefficient", bead(1.0).friction(f32::NAN)),
+        ("the friction coefficient", bead(1.0).friction(-0.1)),
+        ("the drag", bead(1.0).drag(f32::NAN)),
+        ("the drag", bead(1.0).drag(-1.0)),
+        ("the gravity scale", bead(1.0).gravity_scale(f32::INFINITY)),
+        (
+            "the length of the rotation's quaternion",
+            bead(1.0).rotation(Rotation::from_xyzw(f32::NAN, 0.0, 0.0, 1.0)),
+        ),
+        (
+            "the length of the rotation's quaternion",
+            bead(1.0).rotation(Rotation::from_xyzw(0.0, 0.0, 0.0, 0.0)),
+        ),
+        (
+            "the number of substeps",
+            bead(1.0).substeps(Substeps::Fixed(0)),
+        ),
+        (
+            "the number of substeps",
+            bead(1.0).substeps(Substeps::Unchecked(0)),
+        ),
+        (
+            "the safety factor of the substep",
+            bead(1.0).substeps(Substeps::Auto {
+                safety: f64::NAN,
+                min_h: 0.0,
+            }),
+        ),
+        (
+            "the safety factor of the substep",
+            bead(1.0).substeps(Substeps::Auto {
+                safety: 1.1,
+                min_h: 0.0,
+            }),
+        ),
+        (
+            "the shortest substep min_h",
+            bead(1.0).substeps(Substeps::Auto {
+                safety: 0.9,
+                min_h: f64::NAN,
+            }),
+        ),
+    ];
+    for (name, builder) in builders {
+        let error = builder.build().expect_err(name);
+        assert!(
+            matches!(error, BuildError::Value { what, .. } if what == name),
+            "{name}: {error:?}"
+        );
+    }
+}
+
+#[test]
+fn an_unstable_body_names_its_worst_spring() {
+    let mut net = pair();
+    net.nodes.push(Node::new(Vector::new(2.0, 0.0, 0.0), 0.5));
+    net.springs.push(Spring::new(1, 2, 4.0e6).damping(3.0));
+    let mut deformables = DeformableWorld::new();
+    let mut insert =
+        |substeps| deformables.insert(DeformableBuilder::new(net.clone()).substeps(substeps));
+    let refused = [
+        (
+            Substeps::Auto {
+                safety: 0.9,
+                min_h: 1e-3,
+            },
+            1e-3 / 0.9,
+        ),
+        (Substeps::Fixed(16), 1.0 / 60.0 / 16.0),
+    ];
+    for (substeps, allowed) in refused {
+        match insert(substeps).unwrap_err() {
+            BuildError::Unstable {
+                spring: 1,
+                stiffness: 4.0e6,
+                damping: 3.0,
+                mass_a: 1.0,
+                mass_b: 0.5,
+                needed_h,
+                min_h,
+            } => {
+                assert!((min_h - allowed).abs() < 1e-12, "{min_h} {allowed}");
+                assert!(needed_h < min_h && needed_h > 1e-4, "{needed_h}");
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+    assert!(insert(Substeps::Fixed(200)).is_ok());
+    assert!(insert(Substeps::Unchecked(1)).is_ok());
+    assert!(insert(Substeps::default()).is_ok());
+    assert_eq!(deformables.len(), 3, "what was refused is not there");
+}
+
+#[test]
+fn schemes_that_are_never_stable_name_an_undamped_spring() {
+    let mut net = pair();
+    net.springs.push(Spring::new(0, 1, 10.0));
+    for (integrator, name) in [
+        (Integrator::ExplicitEuler, "explicit Euler"),
+        (Integrator::Midpoint, "midpoint"),
+    ] {
+        let mut deformables = DeformableWorld::new();
+        let body = DeformableBuilder::new(net.clone()).integrator(integrator);
+        assert_eq!(
+            deformables.insert(body.clone()),
+            Err(BuildError::NeverStable {
+                integrator: name,
+                spring: 1
+            })
+        );
+        assert!(
+            deformables
+                .insert(body.substeps(Substeps::Unchecked(10)))
+                .is_ok()
+        );
+        // The world's scheme counts for bodies without one.
+        deformables.params.integrator = integrator;
+        assert!(
+            deformables
+                .insert(DeformableBuilder::new(net.clone()))
+                .is_err()
+        );
+        assert!(deformables.insert(DeformableBuilder::new(pair())).is_ok());
+    }
+}
+
+#[test]
+fn attachments() {
+    let mut world = PhysicsWorld::default();
+    let rigid = world.insert_body(RigidBodyBuilder::dynamic());
+    let gone = world.insert_body(RigidBodyBuilder::dynamic());
+    world.remove_body(gone);
+    let mut deformables = DeformableWorld::new();
+    let soft = deformables.insert(bead(1.0)).unwrap();
+    let stale = deformables.insert(bead(1.0)).unwrap();
+    deformables.remove(stale);
+    let mut attach = |d, nodes: &[u32], b| {
+        let nodes: Vec<NodeId> = nodes.iter().map(|&n| NodeId(n)).collect();
+        deformables.attach(d, &nodes, b, &world.bodies)
+    };
+    assert_eq!(
+        attach(stale, &[0], rigid),
+        Err(AttachError::UnknownDeformable(stale))
+    );
+    assert_eq!(
+        attach(soft, &[0], gone),
+        Err(AttachError::UnknownBody(gone))
+    );
+    assert_eq!(attach(soft, &[], rigid), Err(AttachError::NoNodes));
+    assert_eq!(
+        attach(soft, &[0, 5], rigid),
+        Err(AttachError::UnknownNode { node: 5, count: 1 })
+    );
+    let held = attach(soft, &[0, 0], rigid).expect("one node named twice is one node");
+    assert!(deformables.detach(held) && !deformables.detach(held));
+    assert_eq!(deformables.attachment_force(held), None);
+}

@@ -1,0 +1,8 @@
+//! Whatever is put in, an error names what is wrong, and a step goes on.
+
+mod build;
+#[cfg(feature = "import")]
+mod files;
+mod setters;
+mod shapes;
+mod stepping;
