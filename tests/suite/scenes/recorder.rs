@@ -39,8 +39,7 @@ fn impulses_momentum_and_forces_agree() {
     let closure = recorder.momentum_closure();
     assert!(closure < 1e-5, "{closure}");
     let residual = recorder.max_residual();
-    // The ledger of plastic flow is of first order in the substep, and this block flows in a few dozen of them.
-    assert!(residual < 0.04, "{residual}");
+    assert!(residual < 0.01, "{residual}");
     let channel = record.find(Interface::Collider(ground)).unwrap();
     let mass = world[block].mass();
     let expected = mass * (world[block].linvel().y + 4.0 + 9.81 * world.time());
