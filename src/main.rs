@@ -240,7 +240,12 @@ fn write_summary(scene: &Scene, run: &Run, f: &Figures, out: &Path) -> Result<()
     let mut summary = serde_json::Map::new();
     summary.insert("scene".into(), scene.name.into());
     for figure in &f.0 {
-        summary.insert(figure.key.into(), figure.value.into());
+        let count = figure.unit.is_empty() && figure.value.fract() == 0.0;
+        let value = match count && figure.value.abs() < 1.0e15 {
+            true => (figure.value as i64).into(),
+            false => figure.value.into(),
+        };
+        summary.insert(figure.key.into(), value);
     }
     let hash = format!("{:016x}", run.deformables.state_hash());
     summary.insert("state_hash".into(), hash.into());

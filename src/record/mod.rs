@@ -14,6 +14,7 @@ pub mod frame;
 pub mod history;
 pub mod recorder;
 pub mod resample;
+pub mod signal;
 
 pub use body::{BodyRecord, Closure, LedgerSample};
 pub use channel::{Channel, Interface};
@@ -21,8 +22,9 @@ pub use csv::{CsvError, write_csv};
 pub use filter::{Cfc, Coefficients, FilterError};
 pub use frame::Frame;
 pub use history::{Moments, NodeSet};
-pub use recorder::{RecordError, Recorder, Sampling, SignalError};
+pub use recorder::{RecordError, Recorder, Sampling};
 pub use resample::{ResampleError, Resampled, resample};
+pub use signal::SignalError;
 
 #[cfg(test)]
 mod tests;

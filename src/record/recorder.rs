@@ -5,7 +5,6 @@
 
 use super::body::BodyRecord;
 use super::channel::Interface;
-use super::filter::{Cfc, FilterError};
 use super::history::{Moments, NodeSet};
 use super::resample::{ResampleError, Resampled, resample};
 use crate::body::NodeId;
@@ -45,18 +44,6 @@ pub enum RecordError {
     /// A set of nodes that has none.
     #[error("the node set `{0}` has no nodes")]
     NoNodes(String),
-}
-
-/// Why a recording gives no signal.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SignalError {
-    /// It can't be brought to even spacing.
-    #[error(transparent)]
-    Resample(#[from] ResampleError),
-    /// It can't be filtered.
-    #[error(transparent)]
-    Filter(#[from] FilterError),
 }
 
 /// Records a run.
@@ -208,34 +195,6 @@ impl Recorder {
     pub fn momentum_closure(&self) -> f64 {
         let errors = self.bodies.iter().map(|b| b.closure.error());
         errors.fold(0.0, f64::max)
-    }
-}
-
-impl Resampled {
-    /// The same channel, filtered.
-    ///
-    /// # Errors
-    /// [`FilterError`].
-    pub fn filtered(&self, class: Cfc) -> Result<Resampled, FilterError> {
-        Ok(Resampled {
-            times: self.times.clone(),
-            values: class.filter(self.dt, &self.values)?,
-            dt: self.dt,
-        })
-    }
-
-    /// Time and value of the largest value; zeros for an empty channel.
-    pub fn peak(&self) -> (f64, f64) {
-        let pairs = self.times.iter().copied().zip(self.values.iter().copied());
-        pairs.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default()
-    }
-
-    /// Every value times `factor`.
-    pub fn scaled(mut self, factor: f64) -> Resampled {
-        for value in &mut self.values {
-            *value *= factor;
-        }
-        self
     }
 }
 

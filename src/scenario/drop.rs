@@ -135,6 +135,8 @@ fn figures(run: &Run) -> Result<Figures, SceneError> {
         run.recorder.max_depth(),
         "m",
     );
+    let closure = run.recorder.momentum_closure();
+    f.add("momentum_closure", "momentum closure", closure, "");
     run.common_figures(&mut f);
     Ok(f)
 }

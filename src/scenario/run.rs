@@ -151,7 +151,7 @@ impl Run {
         }
     }
 
-    /// Largest energy residual, momentum closure, counts and cost: what every scene reports.
+    /// Largest energy residual, counts and cost: what every scene reports.
     pub fn common_figures(&self, f: &mut Figures) {
         let bodies = self.deformables.iter();
         let (nodes, springs) = bodies.fold((0, 0), |(n, s), (_, b)| {
@@ -159,12 +159,6 @@ impl Run {
         });
         let r = &self.recorder;
         f.add("energy_residual", "energy residual", r.max_residual(), "");
-        f.add(
-            "momentum_closure",
-            "momentum closure",
-            r.momentum_closure(),
-            "",
-        );
         f.add(
             "coupling_defect_j",
             "coupling defect",

@@ -2,4 +2,5 @@
 
 mod cli;
 mod drop;
+mod recorder;
 mod wall;

@@ -49,6 +49,7 @@ fn the_crash_is_one_of_a_real_car() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long: several crashes; run with --release")]
 fn half_the_substep_gives_the_same_crash() {
     let ((a, _), (b, _)) = (run(|_| {}), run(|o| o.safety *= 0.5));
     assert!(b.get("substeps").unwrap() > 1.9 * a.get("substeps").unwrap());
@@ -63,6 +64,7 @@ fn half_the_substep_gives_the_same_crash() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "long: several crashes; run with --release")]
 fn the_step_of_the_world_does_not_matter() {
     let runs = [30.0, 60.0, 120.0, 240.0].map(|rate| run(|o| o.dt = 1.0 / rate).0);
     for other in &runs[..3] {

@@ -1,0 +1,210 @@
+//! What the crash comes to, in the words of crash laboratories.
+//!
+//! Time zero is the first impulse of the wall. *Crush* is how far the cabin (the body's slice at the B-pillars) goes on from
+//! there until it stands still: since the bumper stays at the wall, that is what the car has become shorter by. *Δv* is the
+//! speed at contact plus the speed of car and engine together at the end, *restitution* their ratio, *absorbed* the
+//! difference of the kinetic energies of the two. *Mean deceleration* is v²/2 over the crush, in units of gravity, *mean
+//! force* the kinetic energy over the crush; peaks are those of channels in CFC 60, as SAE J211 wants them.
+
+use super::super::{Figures, Run, SceneError, car};
+use super::SPEED;
+use crate::record::{BodyRecord, Cfc, Interface, NodeSet, Resampled, SignalError};
+use crate::world::Energies;
+use rapier3d::geometry::ColliderHandle;
+
+/// Bins of forces and accelerations \[s\].
+const BIN: f64 = 1.0e-4;
+/// Standard gravity \[m/s²\].
+const G: f64 = 9.80665;
+
+/// Force of the wall on the car, against its motion \[N\].
+///
+/// # Errors
+/// [`SceneError::Missing`] for a run of another scene.
+pub fn wall_force(run: &Run) -> Result<Resampled, SceneError> {
+    let force = run.recorder.collider_force(wall(run)?, 0, BIN);
+    Ok(force.map_err(SignalError::from)?.scaled(-1.0))
+}
+
+/// Deceleration of the cabin \[m/s²\].
+///
+/// # Errors
+/// [`SceneError::Missing`] for a run of another scene.
+pub fn cabin_deceleration(run: &Run) -> Result<Resampled, SceneError> {
+    let a = run.recorder.acceleration(set(run, "cabin")?, 0, BIN);
+    Ok(a.map_err(SignalError::from)?.scaled(-1.0))
+}
+
+fn set<'a>(run: &'a Run, name: &str) -> Result<&'a NodeSet, SceneError> {
+    let mut sets = run.recorder.sets.iter();
+    sets.find(|s| s.name == name)
+        .ok_or(SceneError::Missing("cabin"))
+}
+
+fn wall(run: &Run) -> Result<ColliderHandle, SceneError> {
+    let wall = run.cast.collider("wall");
+    wall.ok_or(SceneError::Missing("wall"))
+}
+
+/// All figures of a run.
+pub(super) fn figures(run: &Run) -> Result<Figures, SceneError> {
+    let car = run.cast.deformable("car");
+    let record = car.and_then(|car| run.recorder.body(car));
+    let record = record.ok_or(SceneError::Missing("car"))?;
+    let wall = wall(run)?;
+    let cabin = &set(run, "cabin")?.history;
+    let touched = record
+        .find(Interface::Collider(wall))
+        .and_then(|c| c.touched);
+    let [begin, end] = touched.ok_or(SceneError::Missing("contact with the wall"))?;
+    let at = |t: f64| {
+        cabin
+            .times
+            .partition_point(|x| *x < t)
+            .min(cabin.times.len() - 1)
+    };
+    let contact = at(begin);
+    let x0 = cabin.positions[contact].x;
+    let (stop, crush) = (contact..cabin.times.len())
+        .map(|i| (i, cabin.positions[i].x - x0))
+        .fold(
+            (contact, 0.0),
+            |best, next| {
+                if next.1 > best.1 { next } else { best }
+            },
+        );
+    let time_of_crush = cabin.times[stop] - cabin.times[contact];
+    let approach = cabin.velocities[contact].x;
+    let rebound = -whole_velocity(run, record);
+    let deceleration = cabin_deceleration(run)?;
+    let signal = SignalError::from;
+    let decel = deceleration.filtered(Cfc::Cfc60).map_err(signal)?.peak();
+    let raw = wall_force(run)?;
+    let force = raw.filtered(Cfc::Cfc60).map_err(signal)?.peak();
+    let kinetic = 0.5 * car::MASS * approach * approach;
+    let absorbed = kinetic - 0.5 * car::MASS * rebound * rebound;
+
+    let mut f = Figures::default();
+    f.add("speed_mps", "speed at contact", approach, "m/s");
+    f.add("peak_force_n", "peak wall force (CFC 60)", force.1, "N");
+    f.add(
+        "mean_force_n",
+        "mean force over the crush",
+        kinetic / crush,
+        "N",
+    );
+    f.add("crush_m", "crush", crush, "m");
+    f.add("time_of_crush_s", "cabin at rest after", time_of_crush, "s");
+    f.add("contact_end_s", "off the wall after", end - begin, "s");
+    f.add("delta_v_mps", "velocity change", approach + rebound, "m/s");
+    f.add("restitution", "restitution", rebound / approach, "");
+    let mean = approach * approach / (2.0 * crush) / G;
+    f.add("mean_decel_g", "mean deceleration", mean, "g");
+    f.add(
+        "peak_decel_g",
+        "peak cabin deceleration (CFC 60)",
+        decel.1 / G,
+        "g",
+    );
+    f.add(
+        "peak_decel_time_s",
+        "its time after contact",
+        decel.0 - begin,
+        "s",
+    );
+    f.add("absorbed_j", "absorbed", absorbed, "J");
+    f.add(
+        "plastic_j",
+        "plastic work",
+        last(record, |e| e.work.plastic),
+        "J",
+    );
+    f.add(
+        "damping_j",
+        "damping",
+        last(record, |e| e.work.damping),
+        "J",
+    );
+    let set = shortening(run)?;
+    f.add("shortening_m", "bumper to B-pillar, lasting", set, "m");
+    f.add(
+        "cabin_strain",
+        "plastic strain of the cabin, mean",
+        cabin_strain(run),
+        "",
+    );
+    f.add("mass_kg", "mass", record.mass + car::ENGINE_MASS, "kg");
+    let pushed = run.cast.rigid.iter().filter(|(name, body, _)| {
+        let body = body.and_then(|b| run.world.bodies.get(b));
+        name.starts_with("crate") && body.is_some_and(|b| b.linvel().length() > 0.05)
+    });
+    f.add("crates_moving", "crates moving", pushed.count() as f64, "");
+    let depth = |collider| {
+        let channel = record.find(Interface::Collider(collider));
+        channel.map_or(0.0, |c| c.max_depth)
+    };
+    f.add(
+        "max_penetration_m",
+        "deepest node in the wall",
+        depth(wall),
+        "m",
+    );
+    let crates = run.cast.rigid.iter().filter(|r| r.0.starts_with("crate"));
+    let deepest = crates.map(|r| depth(r.2)).fold(0.0, f64::max);
+    f.add(
+        "crate_penetration_m",
+        "deepest node in a crate",
+        deepest,
+        "m",
+    );
+    let closure = system_closure(run, record).max(run.recorder.momentum_closure());
+    f.add("momentum_closure", "momentum closure", closure, "");
+    run.common_figures(&mut f);
+    Ok(f)
+}
+
+fn last(record: &BodyRecord, term: impl Fn(&Energies) -> f64) -> f64 {
+    record.ledger.last().map_or(0.0, |s| term(&s.energies))
+}
+
+/// How well the impulses on the car and its engine together explain their change of momentum along x, over that change
+/// \[1\]. What rigid bodies do to the engine is not seen, so a contact of the engine with the wall would show here.
+fn system_closure(run: &Run, record: &BodyRecord) -> f64 {
+    let closure = &record.closure;
+    let change = closure.change.x + car::ENGINE_MASS * (engine_velocity(run) - SPEED);
+    (closure.contact.x - change).abs() / change.abs().max(f64::MIN_POSITIVE)
+}
+
+/// Velocity of the engine along x at the end \[m/s\].
+fn engine_velocity(run: &Run) -> f64 {
+    let engine = run.cast.rigid("engine");
+    let engine = engine.and_then(|h| run.world.bodies.get(h));
+    engine.map_or(0.0, |b| f64::from(b.linvel().x))
+}
+
+/// Velocity of car and engine together along x at the end \[m/s\].
+fn whole_velocity(run: &Run, record: &BodyRecord) -> f64 {
+    let car = record.center.velocities.last().map_or(0.0, |v| v.x) * record.mass;
+    (car + car::ENGINE_MASS * engine_velocity(run)) / (record.mass + car::ENGINE_MASS)
+}
+
+/// What the distance from the bumper to the cabin has lost at the end \[m\].
+fn shortening(run: &Run) -> Result<f64, SceneError> {
+    let (front, cabin) = (&set(run, "front")?.history, &set(run, "cabin")?.history);
+    let length = |i: usize| front.positions[i].x - cabin.positions[i].x;
+    Ok(length(0) - length(cabin.positions.len() - 1))
+}
+
+/// Mean plastic strain of the springs at the cabin's nodes at the end.
+fn cabin_strain(run: &Run) -> f64 {
+    let Ok(set) = set(run, "cabin") else {
+        return 0.0;
+    };
+    let strain = run
+        .deformables
+        .get(set.deformable)
+        .map(|b| b.node_plastic_strain())
+        .unwrap_or_default();
+    let values = set.nodes.iter().filter_map(|n| strain.get(n.index()));
+    values.map(|s| f64::from(*s)).sum::<f64>() / set.nodes.len().max(1) as f64
+}
