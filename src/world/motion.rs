@@ -37,6 +37,10 @@ impl Deformable {
 
     /// Moves freely over h s.
     pub(super) fn predict(&mut self, h: f64) {
+        if self.h == 0.0 {
+            // Leapfrog starts with the velocities half a substep back, and what they lack of the energy is known only now.
+            self.edit(|body| body.h = h);
+        }
         self.h = h;
         if !self.integrator().takes_late_impulses() {
             self.start.particles.clone_from(&self.state.particles);
