@@ -64,7 +64,7 @@ impl Display for Table {
     }
 }
 
-/// Four significant digits: plain from a thousandth to ten millions, scientific beyond.
+/// Counts as they are, the rest with four significant digits: plain from a thousandth to ten millions, scientific beyond.
 pub(super) fn number(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 {
@@ -72,6 +72,9 @@ pub(super) fn number(value: f64) -> String {
     }
     if !value.is_finite() {
         return value.to_string();
+    }
+    if value.fract() == 0.0 && size < 1.0e7 {
+        return format!("{value:.0}");
     }
     if !(1.0e-3..1.0e7).contains(&size) {
         return format!("{value:.3e}");
@@ -103,7 +106,7 @@ mod tests {
         let expected = "\
 peak force (CFC 60)  312346         N
 crush                     0.4126    m
-hits                      3.000
+hits                      3
 section                   1.250e-7  m²
 no value                NaN         J
 ";
