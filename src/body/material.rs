@@ -7,6 +7,9 @@ use crate::math::Real;
 /// Constants of an isotropic solid. A spring of section A and length L gets k = E·A/L, c = η·A/L, F_y = σ_y·A,
 /// hardening H·A/L, break force σ_b·A.
 ///
+/// In a lattice squeezed along its edges the first springs flow at σ_y, those along the edges; the face diagonals follow,
+/// and once all flow the lattice carries about 2·σ_y.
+///
 /// Springs transmit central forces only, so a lattice has Poisson's ratio ¼ (a sheet ⅓) whatever the real material's is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
