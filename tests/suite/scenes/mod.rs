@@ -2,5 +2,6 @@
 
 mod cli;
 mod drop;
+mod ledger;
 mod recorder;
 mod wall;
