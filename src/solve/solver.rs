@@ -114,6 +114,13 @@ impl<S: Scalar> Solver<S> {
         DVec3::new(sum(0), sum(1), sum(2))
     }
 
+    /// Keeps positions and velocities for schemes whose stages start from them.
+    pub(crate) fn save_start(&mut self, state: &State<S>) {
+        self.start.clear();
+        self.start
+            .extend(state.particles.iter().map(|p| (p.x, p.v)));
+    }
+
     /// Drops the forces of the last evaluation, when the state they belong to is given up.
     pub(crate) fn forget_forces(&mut self) {
         self.forces.fill(Force::default());

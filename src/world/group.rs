@@ -45,14 +45,8 @@ impl DeformableWorld {
     /// Sorts the enabled deformables into groups for a rigid step of `dt` s. Each group takes its members out of the set
     /// until it is dissolved.
     pub(super) fn form_groups(&mut self, parts: &RapierParts, dt: f64) -> Vec<Group> {
-        let strays = reach::strays(&self.known, parts);
-        reach::remember(&mut self.known, &strays, parts);
-        let search = Search {
-            parts,
-            rigid_speed: reach::fastest_rigid(parts),
-            strays: &strays,
-            dt,
-        };
+        let search = Search::new(&self.known, parts, dt);
+        reach::remember(&mut self.known, &search.strays, parts);
         let mut unsupported = std::mem::take(&mut self.report.unsupported);
         let reaches: Vec<Reach> = self
             .iter()

@@ -22,7 +22,7 @@ fn travel(speed: f64, dt: f64, parts: &RapierParts) -> f64 {
 }
 
 /// The fastest that any point of an awake body can move \[m/s\].
-pub(super) fn fastest_rigid(parts: &RapierParts) -> f64 {
+fn fastest_rigid(parts: &RapierParts) -> f64 {
     parts
         .islands
         .active_bodies()
@@ -52,7 +52,7 @@ fn description(collider: &Collider, generation: u32) -> Description {
 }
 
 /// The colliders that Rapier's BVH does not know as they are now.
-pub(super) fn strays(known: &Known, parts: &RapierParts) -> Vec<ColliderHandle> {
+fn strays(known: &Known, parts: &RapierParts) -> Vec<ColliderHandle> {
     let is_stray = |(handle, collider): &(ColliderHandle, &Collider)| {
         let (index, generation) = handle.into_raw_parts();
         known.get(index as usize) != Some(&Some(description(collider, generation)))
@@ -93,9 +93,21 @@ pub(super) struct Search<'a> {
     pub parts: &'a RapierParts<'a>,
     /// Speed of the fastest rigid body \[m/s\].
     pub rigid_speed: f64,
-    pub strays: &'a [ColliderHandle],
+    pub strays: Vec<ColliderHandle>,
     /// The stretch of time \[s\].
     pub dt: f64,
+}
+
+impl<'a> Search<'a> {
+    /// A search over the next `dt` s.
+    pub fn new(known: &Known, parts: &'a RapierParts<'a>, dt: f64) -> Self {
+        Self {
+            parts,
+            rigid_speed: fastest_rigid(parts),
+            strays: strays(known, parts),
+            dt,
+        }
+    }
 }
 
 /// Calls `found` for every collider the body may touch, in the order of their handles.

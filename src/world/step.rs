@@ -112,13 +112,7 @@ impl DeformableWorld {
     /// Wakes bodies that a deformable is about to hit, at twice the speed below which Rapier lets bodies sleep.
     fn wake_sleepers_in_the_way(&self, parts: &mut RapierParts, dt: f64) {
         let threshold = 0.1 * parts.length_unit();
-        let strays = reach::strays(&self.known, parts);
-        let search = Search {
-            parts,
-            rigid_speed: reach::fastest_rigid(parts),
-            strays: &strays,
-            dt,
-        };
+        let search = Search::new(&self.known, parts, dt);
         let mut wake = Vec::new();
         for (_, body) in self.iter().filter(|(_, b)| b.is_enabled()) {
             wake.extend(reach::sleepers_in_the_way(body, &search, threshold));
@@ -135,13 +129,7 @@ impl DeformableWorld {
                 .get(h)
                 .is_some_and(|b| b.is_dynamic() && !b.is_sleeping() && b.is_enabled())
         };
-        let strays = reach::strays(&self.known, parts);
-        let search = Search {
-            parts,
-            rigid_speed: reach::fastest_rigid(parts),
-            strays: &strays,
-            dt,
-        };
+        let search = Search::new(&self.known, parts, dt);
         let mut found = false;
         for (_, body) in self.iter().filter(|(_, b)| b.is_enabled()) {
             reach::for_each_in_reach(body, &search, |_, collider, _| {

@@ -13,10 +13,7 @@ pub(super) fn predict<S: Scalar>(
     field: Option<&dyn ForceField>,
 ) {
     let half = S::of(0.5) * h;
-    solver.start.clear();
-    solver
-        .start
-        .extend(state.particles.iter().map(|p| (p.x, p.v)));
+    solver.save_start(state);
     solver.evaluate(state, field, Some(h));
     for (i, p) in state.particles.iter_mut().enumerate() {
         let a = acceleration(

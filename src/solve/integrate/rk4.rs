@@ -20,10 +20,7 @@ pub(super) fn predict<S: Scalar>(
     h: S,
     field: Option<&dyn ForceField>,
 ) {
-    solver.start.clear();
-    solver
-        .start
-        .extend(state.particles.iter().map(|p| (p.x, p.v)));
+    solver.save_start(state);
     solver.sums.clear();
     solver
         .sums

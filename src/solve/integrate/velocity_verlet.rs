@@ -16,10 +16,7 @@ pub(super) fn predict<S: Scalar>(
     field: Option<&dyn ForceField>,
 ) {
     let half = S::of(0.5) * h;
-    solver.start.clear();
-    solver
-        .start
-        .extend(state.particles.iter().map(|p| (p.x, p.v)));
+    solver.save_start(state);
     let damped = solver.table.damped || solver.external.drag > S::ZERO || field.is_some();
     solver.evaluate(state, field, Some(h));
     half_kick(solver, state, half);
@@ -48,9 +45,7 @@ pub(super) fn finish<S: Scalar>(
     field: Option<&dyn ForceField>,
 ) {
     let half = S::of(0.5) * h;
-    for (start, p) in solver.start.iter_mut().zip(&state.particles) {
-        *start = (p.x, p.v);
-    }
+    solver.save_start(state);
     solver.evaluate(state, field, None);
     half_kick(solver, state, half);
     let mut sums = Sums::new();
