@@ -29,7 +29,7 @@ pub use body::shape;
 
 /// Everything a scene needs. Clashes with nothing in Rapier's own prelude.
 pub mod prelude {
-    pub use crate::body::{BuildError, Material, Net, NodeId, Spring, SpringId};
+    pub use crate::body::{BuildError, Material, Net, Node, NodeId, Spring, SpringId};
     pub use crate::record::Recorder;
     pub use crate::shape::{filled, lattice, rope, sheet};
     pub use crate::solve::Integrator;

@@ -205,7 +205,12 @@ impl Group {
             ..
         } = self;
         let mut mend = |node: u32, shadow: u32, by: DVec3| {
-            let lost = displace(members, &rows.nodes[node as usize], by);
+            let node = &rows.nodes[node as usize];
+            // A pinned node stays where it is put.
+            if node.inv_mass == 0.0 {
+                return;
+            }
+            let lost = displace(members, node, by);
             if (shadow as usize)
                 .checked_sub(1)
                 .is_some_and(|i| touched[i].answer == Answer::Free)
@@ -356,11 +361,7 @@ fn displace(members: &mut Members, node: &RowNode, by: DVec3) -> DVec3 {
     body.solver.work.push_out -= force.dot(by);
     let step = by.as_vec3().to_array();
     body.state.displace(i, step);
-    if node.inv_mass > 0.0 {
-        -by.cross(body.state.velocity(i) * mass)
-    } else {
-        DVec3::ZERO
-    }
+    -by.cross(body.state.velocity(i) * mass)
 }
 
 /// The velocity whose product with an impulse on a node is its work, and where to book it. Whatever holds a pinned node

@@ -1,6 +1,7 @@
 //! Poses, velocities and nodes, set from outside.
 
 use crate::fixtures::{bead, cube, floored, height};
+use crate::support::weightless;
 use crumple::math::DVec3;
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
@@ -203,4 +204,21 @@ fn a_target_goes_with_the_pin() {
     let (y, v) = height(&set[handle]);
     assert_eq!(x, 0.0);
     assert!(y < 0.0 && (v + 9.81 / 60.0).abs() < 1e-5);
+}
+
+/// Symptom: a pinned node inside a collider crept out of it. Cause: depth was mended on every node alike.
+#[test]
+fn a_pinned_node_inside_a_collider_stays() {
+    let mut world = weightless(1.0 / 60.0);
+    world.insert(RigidBodyBuilder::fixed(), ColliderBuilder::ball(1.0));
+    let node = Node::new(Vector::new(0.9, 0.0, 0.0), 1.0).pinned();
+    let mut set = DeformableWorld::new();
+    let handle = set
+        .insert(DeformableBuilder::new(Net::new(vec![node], vec![])))
+        .unwrap();
+    let before = set[handle].position(NodeId(0)).unwrap();
+    for _ in 0..10 {
+        set.step(&mut world);
+    }
+    assert_eq!(set[handle].position(NodeId(0)).unwrap(), before);
 }
