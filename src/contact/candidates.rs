@@ -23,15 +23,6 @@ pub struct Candidates {
     budget: f64,
 }
 
-/// Lengths and velocities of contact, in the world's units.
-#[derive(Clone, Copy, Debug)]
-pub struct Tolerances {
-    /// Distance within which a node counts as touching \[m\].
-    pub touching: f64,
-    /// Margin of candidate lists \[m\].
-    pub margin: f64,
-}
-
 impl Candidates {
     /// A list to be filled at first use.
     pub fn new(target: Target, pair: u32) -> Self {
@@ -43,12 +34,21 @@ impl Candidates {
         }
     }
 
-    /// Makes the list anew if it is stale after `moved` m.
-    pub fn refresh(&mut self, state: &State<Real>, shadow: &Shadow, moved: f64, margin: f64) {
+    /// Makes the list anew if, after `moved` m since the last look, it might lack a node that can get a row in the coming
+    /// substep, which is any within `farthest` m.
+    pub fn refresh(
+        &mut self,
+        state: &State<Real>,
+        shadow: &Shadow,
+        moved: f64,
+        margin: f64,
+        farthest: f64,
+    ) {
         self.budget -= moved;
-        if self.budget >= 0.0 {
+        if self.budget >= farthest {
             return;
         }
+        let margin = margin.max(4.0 * farthest);
         self.budget = margin;
         let frame = self.target.frame(shadow);
         let shift = state.origin - frame.position;

@@ -3,9 +3,7 @@
 use super::distance::Primitive;
 use crate::math::{DMat3, DQuat, DVec3, Real, Rotation};
 use crate::solve::shadow::Shadow;
-use rapier3d::dynamics::{
-    CoefficientCombineRule, RigidBody, RigidBodyHandle, RigidBodySet, RigidBodyType,
-};
+use rapier3d::dynamics::{CoefficientCombineRule, RigidBody, RigidBodyHandle, RigidBodySet};
 use rapier3d::geometry::{Collider, ColliderHandle, InteractionGroups};
 
 /// How a deformable's surface behaves in contact.
@@ -97,17 +95,15 @@ pub fn wide_rotation(r: Rotation) -> DQuat {
     DQuat::from_xyzw(r.x.into(), r.y.into(), r.z.into(), r.w.into()).normalize()
 }
 
-/// Whether Rapier's rules let a deformable (which counts as a dynamic body) touch this collider: both enabled, no
-/// sensor, none of Rapier's own soft bodies, collision types and groups that agree.
+/// Whether Rapier's rules let a deformable touch this collider: both enabled, no sensor, none of Rapier's own soft bodies,
+/// groups that agree, and solver groups that have not been emptied against everyone. A deformable counts as a dynamic body
+/// with the usual collision types, and Rapier asks for the agreement of one side only, so the collider's do not matter.
 pub fn admits(collider: &Collider, body: Option<&RigidBody>, surface: &Surface) -> bool {
-    let kind = body.map_or(RigidBodyType::Fixed, RigidBody::body_type);
     collider.is_enabled()
         && body.is_none_or(|b| b.is_enabled() && !b.is_soft_frame())
         && !collider.is_sensor()
         && collider.deformable_mesh_ref().is_none()
-        && collider
-            .active_collision_types()
-            .test(RigidBodyType::Dynamic, kind)
+        && InteractionGroups::all().test(collider.solver_groups())
         && surface.collision_groups.test(collider.collision_groups())
 }
 

@@ -84,7 +84,8 @@ pub fn before_step(
             let inv_mass = wide(body.mass_properties().effective_inv_mass);
             pending.free = end.impulse * inv_mass + acceleration * dt;
             let mut early = DVec3::ZERO;
-            if answer == Answer::Jointed {
+            // With one solver iteration Rapier gives force and impulse the same displacement: nothing to split.
+            if answer == Answer::Jointed && displacement_share(body, parameters) < 1.0 {
                 // early·dt + s·(P − early)·dt, times the scaled 1/m, is the drift of the shadow.
                 let share = displacement_share(body, parameters);
                 let drift =
@@ -152,6 +153,6 @@ pub fn after_step(
             memory.answer(wide(body.linvel()) - pending.before, pending.free);
         }
     }
-    0.5 * (end.impulse.dot(wide(body.linvel()) - end.v)
-        + end.torque.dot(wide(body.angvel()) - end.w))
+    0.5 * (end.impulse.dot(end.v - wide(body.linvel()))
+        + end.torque.dot(end.w - wide(body.angvel())))
 }

@@ -38,7 +38,7 @@ pub enum Answer {
     Free,
     /// Held by joints, and perhaps by rigid contacts too.
     Jointed,
-    /// Held by rigid contacts.
+    /// Held by rigid contacts, or a link of a multibody.
     Held,
 }
 
@@ -116,7 +116,8 @@ pub fn shadow(
     shadow
 }
 
-fn velocity(body: &RigidBody, dt: f64) -> (DVec3, DVec3) {
+/// Velocity of the centre of mass and angular velocity over a rigid step of `dt` s.
+pub fn velocity(body: &RigidBody, dt: f64) -> (DVec3, DVec3) {
     use rapier3d::dynamics::RigidBodyType::*;
     match body.body_type() {
         // Its linvel is that of the last step; the target tells where it goes in this one.
@@ -138,6 +139,9 @@ fn velocity(body: &RigidBody, dt: f64) -> (DVec3, DVec3) {
 pub fn answer(handle: RigidBodyHandle, body: &RigidBody, around: &Surroundings) -> Answer {
     if !body.is_dynamic() || body.is_sleeping() || body.effective_dominance_group() > 0 {
         Answer::None
+    } else if is_link(handle, around) {
+        // Rapier rewrites the velocity of a link from its joint coordinates: impulses are lost on it, forces are not.
+        Answer::Held
     } else if has_joint(handle, around) {
         Answer::Jointed
     } else if has_contact(body, around) {
@@ -157,12 +161,12 @@ fn has_contact(body: &RigidBody, around: &Surroundings) -> bool {
 }
 
 fn has_joint(handle: RigidBodyHandle, around: &Surroundings) -> bool {
-    around
-        .joints
-        .attached_enabled_joints(handle)
-        .next()
-        .is_some()
-        || around.multibodies.rigid_body_link(handle).is_some()
+    let mut joints = around.joints.attached_enabled_joints(handle);
+    joints.next().is_some()
+}
+
+fn is_link(handle: RigidBodyHandle, around: &Surroundings) -> bool {
+    around.multibodies.rigid_body_link(handle).is_some()
 }
 
 /// ρ of a body: remembered, or at first guessed from what it is held by.
@@ -189,7 +193,7 @@ fn first_guess(
     answer: Answer,
     around: &Surroundings,
 ) -> f64 {
-    if around.multibodies.rigid_body_link(handle).is_some() {
+    if is_link(handle, around) {
         return 0.5;
     }
     if answer == Answer::Held {

@@ -45,6 +45,9 @@ impl DeformableWorld {
     /// Sorts the enabled deformables into groups for a rigid step of `dt` s. Each group takes its members out of the set
     /// until it is dissolved.
     pub(super) fn form_groups(&mut self, parts: &RapierParts, dt: f64) -> Vec<Group> {
+        if !self.iter().any(|(_, body)| body.is_enabled()) {
+            return Vec::new();
+        }
         let search = Search::new(&self.known, parts, dt);
         reach::remember(&mut self.known, &search.strays, parts);
         let mut unsupported = std::mem::take(&mut self.report.unsupported);

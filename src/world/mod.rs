@@ -76,6 +76,8 @@ pub struct DeformableWorld {
     fine_until: f64,
     gravity: Option<Vector>,
     parity: bool,
+    /// The step of a `before_step` that waits for its other half \[s\].
+    half_done: Option<f64>,
     /// What Rapier's BVH knows.
     known: reach::Known,
 }
@@ -94,6 +96,9 @@ impl DeformableWorld {
     pub fn insert(&mut self, body: impl IntoDeformable) -> Result<DeformableHandle, BuildError> {
         let mut body = body.into_deformable()?;
         body.defaults = self.params;
+        if body.node_count() == 0 {
+            return Err(BuildError::Empty);
+        }
         body.check_budget()?;
         Ok(DeformableHandle(self.bodies.insert(Box::new(body))))
     }

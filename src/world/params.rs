@@ -63,7 +63,7 @@ pub struct DeformableParameters {
     /// The step of the world that [`Substeps::Fixed`] is checked against at insertion \[s\].
     pub expected_dt: f64,
     /// The longest Rapier step while a deformable can touch an awake dynamic body \[s\]; 0 steps Rapier at every substep,
-    /// which is the slow reference the coupling is measured against.
+    /// which is the slow reference the coupling is measured against. Rapier is never stepped more often than that.
     pub max_rigid_dt: f64,
     /// Gauss–Seidel passes over the rows of a substep.
     pub passes: usize,

@@ -7,6 +7,7 @@
 use super::report::note;
 use super::{Deformable, RapierParts};
 use crate::contact::target::{Target, admits, target, wide_rotation};
+use crate::coupling::observe::velocity;
 use crate::math::{Pose, narrow, wide};
 use crate::solve::shadow::Shadow;
 use rapier3d::dynamics::{RigidBody, RigidBodyHandle};
@@ -21,19 +22,18 @@ fn travel(speed: f64, dt: f64, parts: &RapierParts) -> f64 {
     (speed * dt + fall) * 1.5 + 0.05 * parts.length_unit()
 }
 
-/// The fastest that any point of an awake body can move \[m/s\].
-fn fastest_rigid(parts: &RapierParts) -> f64 {
+/// The fastest that any point of an awake body moves in the coming `dt` s \[m/s\]. Rapier's set of active bodies lacks those
+/// that have not made a step yet, and the velocity of a kinematic body is that of the last one.
+fn fastest_rigid(parts: &RapierParts, dt: f64) -> f64 {
     parts
-        .islands
-        .active_bodies()
-        .filter_map(|h| parts.bodies.get(h))
-        .map(point_speed)
+        .bodies
+        .iter()
+        .filter(|(_, b)| b.is_enabled() && !b.is_fixed() && !b.is_sleeping())
+        .map(|(_, b)| {
+            let (v, w) = velocity(b, dt);
+            v.length() + w.length() * f64::from(b.mass_properties().max_extent())
+        })
         .fold(0.0, f64::max)
-}
-
-fn point_speed(body: &RigidBody) -> f64 {
-    let extent = f64::from(body.mass_properties().max_extent());
-    f64::from(body.linvel().length()) + f64::from(body.angvel().length()) * extent
 }
 
 /// What the BVH knew of each collider at its last update, by slot: generation, enabled, local bounds, and the pose of one
@@ -103,7 +103,7 @@ impl<'a> Search<'a> {
     pub fn new(known: &Known, parts: &'a RapierParts<'a>, dt: f64) -> Self {
         Self {
             parts,
-            rigid_speed: fastest_rigid(parts),
+            rigid_speed: fastest_rigid(parts, dt),
             strays: strays(known, parts),
             dt,
         }

@@ -7,6 +7,7 @@ use super::reach::Search;
 use super::report::{StepReport, note};
 use super::substep::{Group, Settings};
 use super::{DeformableWorld, RapierParts, reach};
+use crate::contact::distance::Primitive;
 use crate::coupling::handover;
 use crate::coupling::memory::BodyMemory;
 use crate::math::{Pose, wide};
@@ -39,6 +40,7 @@ impl DeformableWorld {
             self.report.invalid_dt = Some(dt);
             return;
         }
+        self.settle(&mut RapierParts::from(&mut *world));
         self.report.rigid_steps = 1;
         if dt == 0.0 {
             world.step_with_events(hooks, events);
@@ -76,16 +78,23 @@ impl DeformableWorld {
         if !(dt.is_finite() && dt >= 0.0) {
             self.report.invalid_dt = Some(dt);
         } else if dt > 0.0 {
+            self.settle(parts);
             self.report.rigid_steps = 1;
             self.wake_sleepers_in_the_way(parts, dt);
             self.advance(parts, dt, dt, dt, observer);
+            self.half_done = Some(dt);
         }
     }
 
-    /// The other half of [`Self::before_step`].
+    /// The other half of [`Self::before_step`]; without one before it, nothing.
     pub fn after_step(&mut self, parts: &mut RapierParts) {
-        let dt = f64::from(parts.integration_parameters.dt);
-        if self.report.invalid_dt.is_none() && dt > 0.0 {
+        self.settle(parts);
+    }
+
+    /// Completes a [`Self::before_step`] that has not been completed: bodies get the rest of their impulses, and the user's
+    /// forces back.
+    fn settle(&mut self, parts: &mut RapierParts) {
+        if let Some(dt) = self.half_done.take() {
             self.hand_over(parts, dt);
             self.end_frame();
         }
@@ -98,20 +107,29 @@ impl DeformableWorld {
         } else if self.time >= self.fine_until {
             return 1;
         }
-        if self.params.max_rigid_dt > 0.0 {
+        let longest = self.params.max_rigid_dt;
+        if longest > 1e-3 {
             // A hair less, so that 1/60 is four steps of 1/240 and not five.
-            return ((dt / self.params.max_rigid_dt - 1e-6).ceil() as usize).max(1);
+            return ((dt / longest - 1e-6).ceil() as usize).max(1);
         }
-        let substeps = self
-            .iter()
-            .filter(|(_, b)| b.is_enabled())
-            .map(|(_, b)| b.substeps_for(dt, dt).0);
-        substeps.max().unwrap_or(1)
+        // Never more often than the deformables themselves.
+        let bodies = self.iter().filter(|(_, b)| b.is_enabled());
+        let substeps = bodies.map(|(_, b)| b.substeps_for(dt, dt).0).max();
+        let most = substeps.unwrap_or(1);
+        let wanted = if longest > 0.0 {
+            (dt / longest).ceil() as usize
+        } else {
+            most
+        };
+        wanted.clamp(1, most)
     }
 
     /// Wakes bodies that a deformable is about to hit, at twice the speed below which Rapier lets bodies sleep.
     fn wake_sleepers_in_the_way(&self, parts: &mut RapierParts, dt: f64) {
         let threshold = 0.1 * parts.length_unit();
+        if !self.iter().any(|(_, b)| b.is_enabled()) {
+            return;
+        }
         let search = Search::new(&self.known, parts, dt);
         let mut wake = Vec::new();
         for (_, body) in self.iter().filter(|(_, b)| b.is_enabled()) {
@@ -129,11 +147,15 @@ impl DeformableWorld {
                 .get(h)
                 .is_some_and(|b| b.is_dynamic() && !b.is_sleeping() && b.is_enabled())
         };
+        if !self.iter().any(|(_, b)| b.is_enabled()) {
+            return false;
+        }
         let search = Search::new(&self.known, parts, dt);
         let mut found = false;
         for (_, body) in self.iter().filter(|(_, b)| b.is_enabled()) {
             reach::for_each_in_reach(body, &search, |_, collider, _| {
-                found |= collider.parent().is_some_and(awake);
+                found |= collider.parent().is_some_and(awake)
+                    && Primitive::of(collider.shape()).is_some();
             });
         }
         found || self.attachments.iter().any(|(_, a)| awake(a.body))
@@ -181,7 +203,7 @@ impl DeformableWorld {
     ) -> bool {
         let unit = parts.length_unit();
         let settings = Settings {
-            passes: self.params.passes,
+            passes: self.params.passes.max(1),
             push_out: self.params.push_out_speed * unit,
             margin: 0.05 * unit,
             touching: 1e-5 * unit,

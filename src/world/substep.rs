@@ -148,7 +148,6 @@ impl Group {
             for c in candidates.iter_mut() {
                 let shadow = &self.shadows[c.target.shadow as usize];
                 let moved = h * (speed + c.target.speed(shadow));
-                c.refresh(&body.state, shadow, moved, s.margin);
                 let slack = h * s.length_unit;
                 let reach = Reach {
                     h,
@@ -156,6 +155,7 @@ impl Group {
                     slack,
                     farthest: s.touching + slack + 2.0 * moved,
                 };
+                c.refresh(&body.state, shadow, moved, s.margin, reach.farthest);
                 c.add_rows(
                     m,
                     &body.state,

@@ -40,8 +40,8 @@ const AWAY: [(&str, Change); 12] = [
     ("collision groups", |w, _, c| {
         w.colliders[c].set_collision_groups(InteractionGroups::none());
     }),
-    ("collision types", |w, _, c| {
-        w.colliders[c].set_active_collision_types(ActiveCollisionTypes::empty());
+    ("solver groups", |w, _, c| {
+        w.colliders[c].set_solver_groups(InteractionGroups::none());
     }),
     ("a shape nodes can't touch", |w, _, c| {
         w.colliders[c].set_shape(SharedShape::cone(0.1, 0.1));

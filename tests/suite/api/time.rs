@@ -176,3 +176,35 @@ fn fixed_substeps_are_what_was_asked_for() {
         }
     }
 }
+
+/// Symptom: a user's force grew by the plugin's own. Cause: a second `before_step` before the first was completed.
+#[test]
+fn the_halves_of_a_step_may_come_in_any_order() {
+    use crumple::world::RapierParts;
+    let (mut world, _) = crate::fixtures::floored(1.0 / 240.0);
+    let mut set = DeformableWorld::new();
+    set.insert(crate::fixtures::bead(1.0).translation(Vector::new(0.0, 0.5, 0.0)))
+        .unwrap();
+    let (body, _) = world.insert(
+        RigidBodyBuilder::dynamic()
+            .translation(Vector::new(0.0, 0.3, 0.0))
+            .can_sleep(false),
+        ColliderBuilder::cuboid(0.3, 0.1, 0.3).mass(1.0),
+    );
+    for step in 0..200 {
+        set.before_step(&mut RapierParts::from(&mut world), &mut ());
+        if step % 3 == 0 {
+            set.before_step(&mut RapierParts::from(&mut world), &mut ());
+        }
+        world.step();
+        for _ in 0..step % 4 {
+            set.after_step(&mut RapierParts::from(&mut world));
+        }
+        if step % 7 == 0 {
+            set.step(&mut world);
+        }
+    }
+    set.after_step(&mut RapierParts::from(&mut world));
+    assert_eq!(world.bodies[body].user_force(), Vector::ZERO);
+    assert!(world.bodies[body].translation().is_finite());
+}
