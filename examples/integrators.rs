@@ -57,7 +57,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::env::args()
         .nth(1)
         .unwrap_or_else(|| "out/integrators".into());
-    draw(Path::new(&folder))
+    draw(Path::new(&folder))?;
+    println!("written to {folder}");
+    Ok(())
 }
 
 /// Draws both pictures into a folder and checks what they show.
@@ -90,7 +92,7 @@ pub fn draw(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
             "{} is off by {worst} m",
             integrator.name()
         );
-        series.push(curve(integrator.name(), (times, elongations), Stroke::Thin));
+        series.push(curve(integrator.name(), (times, elongations), Stroke::Bold));
     }
     Plot {
         title: "Damped oscillator, h = 0.01 s".into(),

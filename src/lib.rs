@@ -35,7 +35,7 @@ pub mod prelude {
     pub use crate::solve::Integrator;
     pub use crate::world::{
         AttachmentHandle, Deformable, DeformableBuilder, DeformableHandle, DeformableParameters,
-        DeformableWorld, Observer, Substeps,
+        DeformableWorld, Observer, RapierParts, SpringEvent, SpringEventKind, Substep, Substeps,
     };
 }
 

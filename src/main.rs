@@ -29,6 +29,7 @@ enum Command {
 }
 
 #[derive(clap::Args)]
+#[command(allow_negative_numbers = true)]
 struct RunArguments {
     /// Name of the scene; see `crumple list`.
     name: String,

@@ -9,7 +9,14 @@ use crumple::rapier3d::prelude::*;
 struct Blind;
 
 impl Observer for Blind {
-    fn substep(&mut self, _: &crumple::world::Substep) {}
+    fn substep(&mut self, _: &Substep) {}
+
+    fn event(&mut self, event: &SpringEvent) {
+        assert!(matches!(
+            event.kind,
+            SpringEventKind::YieldBegan | SpringEventKind::Broke
+        ));
+    }
 }
 
 #[test]
@@ -30,6 +37,10 @@ fn both_preludes_make_a_program() -> Result<(), BuildError> {
             .material(Material::rubber())
             .translation(Vector::new(0.0, 0.3, 0.0)),
     )?;
+    let bead = Node::new(Vector::ZERO, 1.0);
+    deformables.insert(DeformableBuilder::new(Net::new(vec![bead], vec![])))?;
+    let mut recorder = Recorder::new();
+    recorder.begin(&deformables);
     let held: AttachmentHandle = deformables
         .attach(block, &[NodeId(0)], floor, &world.bodies)
         .expect("both exist");
@@ -43,6 +54,9 @@ fn both_preludes_make_a_program() -> Result<(), BuildError> {
     for _ in 0..3 {
         deformables.step_with(&mut world, &(), &(), &mut Blind);
     }
+    deformables.before_step(&mut RapierParts::from(&mut world), &mut Blind);
+    world.step();
+    deformables.after_step(&mut RapierParts::from(&mut world));
     let body: &Deformable = &deformables[block];
     assert_eq!(body.blueprint().springs[0].nodes, spring.nodes);
     assert!(body.tension(SpringId(0)).is_some());

@@ -67,14 +67,43 @@ impl Channel {
     /// # Errors
     /// Those of [`resample`].
     pub fn force(&self, edges: &[f64], axis: usize, dt: f64) -> Result<Resampled, ResampleError> {
-        let values: Vec<f64> = edges
+        resample(edges, &self.forces(edges, axis), dt)
+    }
+
+    /// As [`Self::force`], over a span of time \[s\] that the recording may fill only in part; the rest has no force.
+    ///
+    /// # Errors
+    /// Those of [`resample`].
+    pub fn force_between(
+        &self,
+        edges: &[f64],
+        span: [f64; 2],
+        axis: usize,
+        dt: f64,
+    ) -> Result<Resampled, ResampleError> {
+        let (mut times, mut values) = (edges.to_vec(), self.forces(edges, axis));
+        if let (Some(&first), Some(&last)) = (edges.first(), edges.last()) {
+            if span[0] < first {
+                times.insert(0, span[0]);
+                values.insert(0, 0.0);
+            }
+            if last < span[1] {
+                times.push(span[1]);
+                values.push(0.0);
+            }
+        }
+        resample(&times, &values, dt)
+    }
+
+    /// Mean force in each substep \[N\].
+    fn forces(&self, edges: &[f64], axis: usize) -> Vec<f64> {
+        edges
             .windows(2)
             .enumerate()
             .map(|(i, t)| {
                 let impulse = self.impulses.get(i).copied().unwrap_or_default();
                 impulse.to_array().get(axis).copied().unwrap_or(0.0) / (t[1] - t[0])
             })
-            .collect();
-        resample(edges, &values, dt)
+            .collect()
     }
 }

@@ -142,28 +142,26 @@ impl Recorder {
         axis: usize,
         dt: f64,
     ) -> Result<Resampled, ResampleError> {
-        let mut sum: Option<Resampled> = None;
+        // Bodies come and go: all are summed over the time that any was recorded, with no force before and after.
+        let recorded = self.bodies.iter().filter(|b| !b.edges.is_empty());
+        let ends = recorded.map(|b| (b.edges[0], b.edges[b.edges.len() - 1]));
+        let Some((begin, end)) = ends.reduce(|(a, b), (c, d)| (a.min(c), b.max(d))) else {
+            return resample(&[], &[], dt);
+        };
+        if begin >= end {
+            return resample(&[], &[], dt);
+        }
+        let mut sum = resample(&[begin, end], &[0.0], dt)?;
         for body in &self.bodies {
             let Some(channel) = body.find(interface) else {
                 continue;
             };
-            let force = channel.force(&body.edges, axis, dt)?;
-            match &mut sum {
-                None => sum = Some(force),
-                Some(sum) => {
-                    for (s, f) in sum.values.iter_mut().zip(&force.values) {
-                        *s += f;
-                    }
-                }
+            let force = channel.force_between(&body.edges, [begin, end], axis, dt)?;
+            for (s, f) in sum.values.iter_mut().zip(&force.values) {
+                *s += f;
             }
         }
-        match (sum, self.bodies.first()) {
-            (Some(sum), _) => Ok(sum),
-            (None, Some(body)) => {
-                resample(&body.edges, &vec![0.0; body.edges.len().max(1) - 1], dt)
-            }
-            (None, None) => resample(&[], &[], dt),
-        }
+        Ok(sum)
     }
 
     /// Acceleration of a node set along `axis` in bins of `dt` s \[m/s²\].

@@ -91,6 +91,16 @@ impl<S: Scalar> Solver<S> {
             }
         }
         let drag = self.external.drag.f64();
+        if drag > 0.0 {
+            // Drag damps every mode: C ≥ D·min(1/m), K ≤ max λ(K), both per mass.
+            let free = state
+                .particles
+                .iter()
+                .map(|p| p.inv_mass.f64())
+                .filter(|w| *w > 0.0);
+            let stiffest = stiff.iter().map(cheap_bound).fold(0.0, f64::max);
+            relaxation.0 += drag * free.fold(f64::INFINITY, f64::min) / stiffest;
+        }
         let limit = |i: usize, eigenvalue: fn(&Sym) -> f64| {
             let c = damp.get(i).map_or(0.0, eigenvalue) + drag * state.particles[i].inv_mass.f64();
             integrator.stable_step(eigenvalue(&stiff[i]), c, relaxation.0)

@@ -60,6 +60,14 @@ impl DeformableWorld {
                 attachments: self.attachments_of(handle, parts),
             })
             .collect();
+        for &collider in &unsupported {
+            if !self.warned.contains(&collider) {
+                self.warned.push(collider);
+                log::warn!(
+                    "a deformable is in reach of collider {collider:?}, whose shape its nodes can't touch: it will pass through"
+                );
+            }
+        }
         self.report.unsupported = unsupported;
         let group_of = self.join(&reaches, parts);
         let mut groups: BTreeMap<usize, Group> = BTreeMap::new();

@@ -33,6 +33,7 @@ use crate::coupling::memory::BodyMemory;
 use crate::math::Vector;
 use group::{BodyKey, Waiting};
 use rapier3d::data::arena::{Arena, Index};
+use rapier3d::geometry::ColliderHandle;
 use std::collections::BTreeMap;
 
 /// A deformable in a [`DeformableWorld`].
@@ -76,6 +77,8 @@ pub struct DeformableWorld {
     fine_until: f64,
     gravity: Option<Vector>,
     parity: bool,
+    /// Colliders of shapes that nodes can't touch, of which the log has been told.
+    warned: Vec<ColliderHandle>,
     /// The step of a `before_step` that waits for its other half \[s\].
     half_done: Option<f64>,
     /// What Rapier's BVH knows.

@@ -94,3 +94,25 @@ fn what_can_not_be_followed_is_an_error() {
     let error = recorder.follow("gone", &empty, block, vec![NodeId(0)]);
     assert!(error.unwrap_err().to_string().contains("no deformable"));
 }
+
+/// Symptom: a body inserted later was heard from the start. Cause: channels were added bin by bin from their own beginnings.
+#[test]
+fn forces_of_bodies_that_come_later_are_added_at_their_time() {
+    let (mut world, floor) = crate::fixtures::floored(1.0 / 240.0);
+    let mut deformables = DeformableWorld::default();
+    let resting =
+        |mass: f32, x: f32| crate::fixtures::bead(mass).translation(Vector::new(x, 0.0, 0.0));
+    deformables.insert(resting(1.0, 0.0)).unwrap();
+    let mut recorder = Recorder::new();
+    recorder.begin(&deformables);
+    for step in 0..240 {
+        if step == 120 {
+            deformables.insert(resting(10.0, 1.0)).unwrap();
+        }
+        deformables.step_with(&mut world, &(), &(), &mut recorder);
+    }
+    let force = recorder.collider_force(floor, 1, 0.05).unwrap();
+    let at = |t: f64| force.values[(t / force.dt) as usize].abs();
+    crate::support::close("force of one bead [N]", at(0.25), 9.81, 0.01);
+    crate::support::close("force of both [N]", at(0.75), 11.0 * 9.81, 0.01);
+}

@@ -421,3 +421,36 @@ fn the_reported_step_is_stable() {
         }
     }
 }
+
+/// The textbook's loop damps by drag, not by its springs: that makes explicit Euler stable below h = D/k too.
+#[test]
+fn drag_makes_explicit_euler_stable() {
+    use crumple::body::{Net, Node};
+    use crumple::rapier3d::prelude::{PhysicsWorld, Vector};
+    let net = Net::new(
+        vec![
+            Node::new(Vector::ZERO, 1.0).pinned(),
+            Node::new(Vector::new(2.0, 0.0, 0.0), 1.0),
+        ],
+        vec![Spring::new(0, 1, 100.0).rest_length(1.5)],
+    );
+    let mut world = PhysicsWorld {
+        gravity: Vector::ZERO,
+        ..PhysicsWorld::default()
+    };
+    let mut set = DeformableWorld::new();
+    let body = set
+        .insert(
+            DeformableBuilder::new(net)
+                .drag(3.0)
+                .integrator(Integrator::ExplicitEuler),
+        )
+        .unwrap();
+    let h = set[body].stable_step().h;
+    assert!(h > 0.02 && h <= 0.03, "D/k is 0.03 s, the bound {h} s");
+    for _ in 0..600 {
+        set.step(&mut world);
+    }
+    let x = set[body].position(NodeId(1)).unwrap().x;
+    assert!((x - 1.5).abs() < 1e-3, "at rest at 1.5 m, not {x} m");
+}
