@@ -105,6 +105,9 @@ pub fn shadow(
     shadow.inv_inertia = inv_inertia(body) * response;
     shadow.acceleration = acceleration * response;
     shadow.spin_up = spin_up * response;
+    if answer == Answer::Free {
+        shadow.lead = (displacement_share(body, around.parameters) - 0.5) * dt;
+    }
     shadow.damping = (body.linear_damping().into(), body.angular_damping().into());
     let locked = !body.locked_axes().is_empty();
     if answer == Answer::Free && !locked && body.gyroscopic_forces_enabled() {

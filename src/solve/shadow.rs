@@ -29,6 +29,8 @@ pub struct Shadow {
     pub acceleration: DVec3,
     /// Angular acceleration by user torques \[rad/s²\], scaled likewise.
     pub spin_up: DVec3,
+    /// Half the length of Rapier's solver iterations \[s\], see [`Self::synchronise`]; 0 for what is not free.
+    pub lead: f64,
     /// Linear and angular damping \[1/s\].
     pub damping: (f64, f64),
     /// Sum of impulses received \[N·s\].
@@ -50,6 +52,7 @@ impl Shadow {
         inertia: DMat3::ZERO,
         acceleration: DVec3::ZERO,
         spin_up: DVec3::ZERO,
+        lead: 0.0,
         damping: (0.0, 0.0),
         impulse: DVec3::ZERO,
         torque: DVec3::ZERO,
@@ -89,6 +92,17 @@ impl Shadow {
     pub fn push(&mut self, arm: DVec3, impulse: DVec3) {
         self.v += self.inv_mass * impulse;
         self.w += self.inv_inertia * arm.cross(impulse);
+    }
+
+    /// Rapier's velocity stands half a solver iteration before its position, because gravity is integrated symplectically in
+    /// such steps; the shadow's stands half a substep before. This takes the one for the other, after which free flight ends
+    /// where Rapier ends it, and a supported body does not creep. The hand-over takes it back by itself: it gives momentum,
+    /// not velocity.
+    pub fn synchronise(&mut self, h: f64) {
+        if self.lead > 0.0 {
+            self.v += self.acceleration * (self.lead - 0.5 * h);
+            self.before.0 = self.v;
+        }
     }
 
     /// First half of a substep: forces and damping.

@@ -219,6 +219,9 @@ impl DeformableWorld {
             let n = needed.div_ceil(reviews.min(needed / 8).max(1));
             Self::report_group(&mut self.report, group, n);
             let h = left / needed as f64;
+            if left == dt {
+                group.synchronise(h);
+            }
             for _ in 0..n {
                 time += h;
                 parity = !parity;

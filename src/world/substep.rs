@@ -103,6 +103,13 @@ impl Group {
         });
     }
 
+    /// Brings the velocities of shadows to the instants of the group's substeps.
+    pub fn synchronise(&mut self, h: f64) {
+        for shadow in &mut self.shadows[1..] {
+            shadow.synchronise(h);
+        }
+    }
+
     /// Advances the group by h s, to `time`. `reversed` picks the order of the rows. `false` if a body has become
     /// non-finite; it is then frozen and the group's impulses are worthless.
     pub fn substep(

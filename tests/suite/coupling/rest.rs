@@ -152,6 +152,12 @@ fn heavy_box_on_a_light_block() {
         ranges.push((watch.height(), f64::from(watch.jitter(60))));
     }
     close("height at 4 s [m]", ranges[0].0, ranges[1].0, 0.03);
+    close(
+        "range of the bounce in the fourth second [m]",
+        ranges[0].1,
+        ranges[1].1,
+        0.03,
+    );
 }
 
 /// Five rigid boxes of 5 kg and five soft ones of 5 kg, E = 1 MPa, one upon the other.
