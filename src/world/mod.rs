@@ -7,12 +7,14 @@ mod deformable;
 mod edit;
 mod energies;
 mod group;
+mod kinematic;
 mod motion;
 mod observer;
 mod params;
 mod parts;
 mod reach;
 mod report;
+mod sleep;
 mod step;
 mod substep;
 

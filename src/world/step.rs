@@ -2,6 +2,7 @@
 //! advanced, then Rapier steps, then rigid bodies get the rest of their impulses.
 
 use super::group::Waiting;
+use super::kinematic::KinematicTargets;
 use super::observer::Observer;
 use super::reach::Search;
 use super::report::{StepReport, note};
@@ -10,8 +11,7 @@ use super::{DeformableWorld, RapierParts, reach};
 use crate::contact::distance::Primitive;
 use crate::coupling::handover;
 use crate::coupling::memory::BodyMemory;
-use crate::math::{Pose, wide};
-use rapier3d::dynamics::{IntegrationParameters, RigidBodyHandle, RigidBodySet};
+use rapier3d::dynamics::{IntegrationParameters, RigidBodyHandle};
 use rapier3d::pipeline::{EventHandler, PhysicsHooks, PhysicsWorld};
 
 /// For how long Rapier goes on with short steps after a deformable was last in reach of an awake body \[s\].
@@ -122,22 +122,6 @@ impl DeformableWorld {
             most
         };
         wanted.clamp(1, most)
-    }
-
-    /// Wakes bodies that a deformable is about to hit, at twice the speed below which Rapier lets bodies sleep.
-    fn wake_sleepers_in_the_way(&self, parts: &mut RapierParts, dt: f64) {
-        let threshold = 0.1 * parts.length_unit();
-        if !self.iter().any(|(_, b)| b.is_enabled()) {
-            return;
-        }
-        let search = Search::new(&self.known, parts, dt);
-        let mut wake = Vec::new();
-        for (_, body) in self.iter().filter(|(_, b)| b.is_enabled()) {
-            wake.extend(reach::sleepers_in_the_way(body, &search, threshold));
-        }
-        for handle in wake {
-            parts.islands.wake_up(parts.bodies, handle, true);
-        }
     }
 
     fn can_touch_awake_body(&self, parts: &RapierParts, dt: f64) -> bool {
@@ -299,43 +283,6 @@ impl DeformableWorld {
         self.watch_sleepers(parts, dt);
     }
 
-    fn watch_sleepers(&mut self, parts: &mut RapierParts, dt: f64) {
-        let gravity = wide(parts.gravity).length();
-        let mut wake = Vec::new();
-        let steps = self.steps;
-        self.memory.retain(|&(index, generation), memory| {
-            let handle = RigidBodyHandle::from_raw_parts(index, generation);
-            let Some(body) = parts.bodies.get(handle) else {
-                return false;
-            };
-            let near = memory.near && memory.seen == steps;
-            if memory.seen != steps {
-                memory.feel(Default::default(), dt);
-            }
-            let weight = f64::from(body.mass()) * gravity;
-            if memory.watch_sleep(body.is_sleeping(), near, weight, dt) {
-                wake.push(handle);
-            }
-            memory.seen == steps || body.is_sleeping()
-        });
-        for handle in wake {
-            parts.islands.wake_up(parts.bodies, handle, true);
-        }
-    }
-
-    /// Rapier lets sleepers sleep when gravity changes; those that lie on deformables are woken.
-    fn wake_on_new_gravity(&mut self, parts: &mut RapierParts) {
-        let old = self.gravity.replace(parts.gravity);
-        if old.is_some_and(|g| g != parts.gravity) {
-            for &(index, generation) in self.memory.keys() {
-                let handle = RigidBodyHandle::from_raw_parts(index, generation);
-                if parts.bodies.get(handle).is_some_and(|b| b.is_sleeping()) {
-                    parts.islands.wake_up(parts.bodies, handle, true);
-                }
-            }
-        }
-    }
-
     fn end_frame(&mut self) {
         for (_, body) in self.bodies.iter_mut() {
             body.end_frame();
@@ -365,39 +312,4 @@ fn rapier_step(
         hooks,
         events,
     );
-}
-
-/// Where position-based kinematic bodies go in a frame of several Rapier steps: a part of the way in each, the last one
-/// exactly to the user's target.
-struct KinematicTargets(Vec<(RigidBodyHandle, Pose, Pose)>);
-
-impl KinematicTargets {
-    fn read(bodies: &RigidBodySet, steps: usize) -> Self {
-        if steps == 1 {
-            return Self(Vec::new());
-        }
-        Self(
-            bodies
-                .iter()
-                .filter(|(_, b)| {
-                    b.body_type() == rapier3d::dynamics::RigidBodyType::KinematicPositionBased
-                })
-                .filter(|(_, b)| b.position() != b.next_position())
-                .map(|(h, b)| (h, *b.position(), *b.next_position()))
-                .collect(),
-        )
-    }
-
-    fn set(&self, bodies: &mut RigidBodySet, step: usize, steps: usize) {
-        for (handle, start, end) in &self.0 {
-            let pose = if step == steps {
-                *end
-            } else {
-                start.lerp(end, step as f32 / steps as f32)
-            };
-            if let Some(body) = bodies.get_mut(*handle) {
-                body.set_next_kinematic_position(pose);
-            }
-        }
-    }
 }

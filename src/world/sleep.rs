@@ -1,0 +1,62 @@
+//! Which sleeping rigid bodies must wake: Rapier lets them sleep by their own motion, and knows nothing of what lies on them,
+//! carries them, or comes at them.
+
+use super::reach::{self, Search};
+use super::{DeformableWorld, RapierParts};
+use crate::math::wide;
+use rapier3d::dynamics::RigidBodyHandle;
+
+impl DeformableWorld {
+    /// Wakes bodies that a deformable is about to hit, at twice the speed below which Rapier lets bodies sleep.
+    pub(super) fn wake_sleepers_in_the_way(&self, parts: &mut RapierParts, dt: f64) {
+        let threshold = 0.1 * parts.length_unit();
+        if !self.iter().any(|(_, b)| b.is_enabled()) {
+            return;
+        }
+        let search = Search::new(&self.known, parts, dt);
+        let mut wake = Vec::new();
+        for (_, body) in self.iter().filter(|(_, b)| b.is_enabled()) {
+            wake.extend(reach::sleepers_in_the_way(body, &search, threshold));
+        }
+        for handle in wake {
+            parts.islands.wake_up(parts.bodies, handle, true);
+        }
+    }
+
+    pub(super) fn watch_sleepers(&mut self, parts: &mut RapierParts, dt: f64) {
+        let gravity = wide(parts.gravity).length();
+        let mut wake = Vec::new();
+        let steps = self.steps;
+        self.memory.retain(|&(index, generation), memory| {
+            let handle = RigidBodyHandle::from_raw_parts(index, generation);
+            let Some(body) = parts.bodies.get(handle) else {
+                return false;
+            };
+            let near = memory.near && memory.seen == steps;
+            if memory.seen != steps {
+                memory.feel(Default::default(), dt);
+            }
+            let weight = f64::from(body.mass()) * gravity;
+            if memory.watch_sleep(body.is_sleeping(), near, weight, dt) {
+                wake.push(handle);
+            }
+            memory.seen == steps || body.is_sleeping()
+        });
+        for handle in wake {
+            parts.islands.wake_up(parts.bodies, handle, true);
+        }
+    }
+
+    /// Rapier lets sleepers sleep when gravity changes; those that lie on deformables are woken.
+    pub(super) fn wake_on_new_gravity(&mut self, parts: &mut RapierParts) {
+        let old = self.gravity.replace(parts.gravity);
+        if old.is_some_and(|g| g != parts.gravity) {
+            for &(index, generation) in self.memory.keys() {
+                let handle = RigidBodyHandle::from_raw_parts(index, generation);
+                if parts.bodies.get(handle).is_some_and(|b| b.is_sleeping()) {
+                    parts.islands.wake_up(parts.bodies, handle, true);
+                }
+            }
+        }
+    }
+}
