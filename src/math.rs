@@ -38,6 +38,8 @@ pub trait Scalar:
     fn f64(self) -> f64;
     /// Square root.
     fn sqrt(self) -> Self;
+    /// Natural logarithm.
+    fn ln(self) -> Self;
     /// Absolute value.
     fn abs(self) -> Self;
     /// The larger of two; the other where one is NaN.
@@ -65,6 +67,10 @@ macro_rules! scalar {
             #[inline(always)]
             fn sqrt(self) -> Self {
                 self.sqrt()
+            }
+            #[inline(always)]
+            fn ln(self) -> Self {
+                self.ln()
             }
             #[inline(always)]
             fn abs(self) -> Self {
