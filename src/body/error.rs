@@ -128,6 +128,17 @@ pub enum BuildError {
         /// A side with which at least one cell fits \[m\].
         enough: f64,
     },
+    /// Tets that are flat or inside out.
+    #[error(
+        "{count} of the tets are flat or inverted: {}; corners a, b, c, d must turn right-handed",
+        named(worst)
+    )]
+    FlatTets {
+        /// How many.
+        count: usize,
+        /// The worst of them, eight at most: index and signed volume \[m³\].
+        worst: Vec<(u32, f64)>,
+    },
     /// No stable substep fits the budget.
     #[error(
         "spring {spring} (k = {stiffness} N/m, c = {damping} N·s/m, between {mass_a} kg and {mass_b} kg) needs substeps of {needed_h:e} s, shorter than the {min_h:e} s allowed; lower its stiffness or damping, make its nodes heavier, or allow more substeps with `Substeps`"
@@ -158,6 +169,14 @@ pub enum BuildError {
         /// An undamped spring.
         spring: u32,
     },
+}
+
+fn named(tets: &[(u32, f64)]) -> String {
+    let each: Vec<String> = tets
+        .iter()
+        .map(|(tet, volume)| format!("tet {tet} ({volume:.3e} m³)"))
+        .collect();
+    each.join(", ")
 }
 
 const POSITIVE: &str = "a positive finite number";

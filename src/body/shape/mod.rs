@@ -8,8 +8,10 @@ mod lattice;
 mod rope;
 mod sheet;
 mod skin;
+mod tets;
 
 pub use filled::filled;
 pub use lattice::lattice;
 pub use rope::rope;
 pub use sheet::{BENDING_SHARE, sheet, sheet_with_bending};
+pub use tets::{TetSplit, tet_box, tet_filled};
