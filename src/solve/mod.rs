@@ -2,6 +2,7 @@
 //! body, only numbers, so it can be tested in `f64` against closed forms.
 
 pub mod external;
+pub mod fem;
 pub mod forces;
 pub mod integrate;
 pub mod rows;

@@ -1,7 +1,7 @@
 //! Linear elasticity in the turned frame.
 
 use super::polar::{polar, rotation_differential};
-use super::tensor::{Mat, add_scaled, contract, scale, sub, trace, unit};
+use super::tensor::{Mat, add_scaled, contract, mul, mul_transpose, scale, sub, trace, unit};
 use super::{Elastic, Lame};
 use crate::math::Scalar;
 
@@ -36,5 +36,15 @@ impl<S: Scalar> Elastic<S> for Corotational<S> {
         let two_mu = S::of(2.0) * self.0.mu;
         let straight = add_scaled(&scale(d, two_mu), self.0.lambda * contract(&r, d), &r);
         add_scaled(&straight, self.0.lambda * t - two_mu, &turn)
+    }
+
+    /// R·(2μ(S − I) + λ·tr(S − I)·I)·Rᵀ, the stress of the linear solid in the turned frame. The law takes strains as small,
+    /// so areas at rest and now are one; P·Fᵀ/J differs from it by a part as large as the strain.
+    #[inline(always)]
+    fn cauchy(&self, f: &Mat<S>) -> Mat<S> {
+        let (r, s) = polar(f);
+        let e = sub(&s, &unit());
+        let shear = scale(&mul_transpose(&mul(&r, &e), &r), S::of(2.0) * self.0.mu);
+        add_scaled(&shear, self.0.lambda * trace(&e), &unit())
     }
 }

@@ -45,6 +45,11 @@ pub trait Elastic<S: Scalar>: Copy + Send + Sync {
     fn stress(&self, f: &Mat<S>) -> Mat<S>;
     /// The change of P along `d` \[Pa\], ∂P/∂F : d.
     fn differential(&self, f: &Mat<S>, d: &Mat<S>) -> Mat<S>;
+    /// The Cauchy stress \[Pa\].
+    #[inline(always)]
+    fn cauchy(&self, f: &Mat<S>) -> Mat<S> {
+        cauchy(&self.stress(f), f)
+    }
 }
 
 /// λ and μ \[Pa\].
