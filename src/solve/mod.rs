@@ -10,6 +10,8 @@ pub mod shadow;
 pub mod solver;
 pub mod springs;
 pub mod stable;
+#[cfg(feature = "statics")]
+pub mod statics;
 pub mod work;
 
 pub use integrate::Integrator;

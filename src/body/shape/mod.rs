@@ -14,4 +14,4 @@ pub use filled::filled;
 pub use lattice::lattice;
 pub use rope::rope;
 pub use sheet::{BENDING_SHARE, sheet, sheet_with_bending};
-pub use tets::{TetSplit, tet_box, tet_filled};
+pub use tets::{TetSplit, tet_box, tet_box_of_cells, tet_filled};

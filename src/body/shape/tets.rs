@@ -44,16 +44,35 @@ const SIX: [[usize; 4]; 6] = [
 /// [`BuildError::Value`] if a size or the cell is not positive and finite, or if there would be more than fifty million
 /// nodes.
 pub fn tet_box(size: Vector, cell: Real, split: TetSplit) -> Result<TetMesh, BuildError> {
+    positive("the cell size of the box", cell.into())?;
+    let counts = (wide(size) / f64::from(cell)).round().max(DVec3::ONE);
+    cut(size, counts, split)
+}
+
+/// As [`tet_box`], with a given number of cells along each axis.
+///
+/// # Errors
+/// Those of [`tet_box`]; [`BuildError::Value`] for a count of zero.
+pub fn tet_box_of_cells(
+    size: Vector,
+    cells: [u32; 3],
+    split: TetSplit,
+) -> Result<TetMesh, BuildError> {
+    for count in cells {
+        positive("the number of cells of the box", count.into())?;
+    }
+    cut(size, DVec3::from_array(cells.map(f64::from)), split)
+}
+
+fn cut(size: Vector, counts: DVec3, split: TetSplit) -> Result<TetMesh, BuildError> {
     for (what, value) in [
         ("the x size of the box", size.x),
         ("the y size of the box", size.y),
         ("the z size of the box", size.z),
-        ("the cell size of the box", cell),
     ] {
         positive(what, value.into())?;
     }
     let size = wide(size);
-    let counts = (size / f64::from(cell)).round().max(DVec3::ONE);
     let grid = CellGrid::new(counts.to_array(), true)?;
     let (sides, origin) = (size / counts, -0.5 * size);
     let [nx, ny, nz] = grid.counts;
@@ -173,6 +192,7 @@ mod tests {
     fn bad_input_is_an_error() {
         assert!(tet_box(Vector::new(1.0, Real::NAN, 1.0), 0.1, TetSplit::Five).is_err());
         assert!(tet_box(Vector::splat(1.0), 1e-5, TetSplit::Five).is_err());
+        assert!(tet_box_of_cells(Vector::splat(1.0), [1, 0, 1], TetSplit::Five).is_err());
         assert!(tet_filled(&Surface::default(), 0.1).is_err());
         let mesh = tet_box(Vector::splat(1.0), 0.5, TetSplit::Five).unwrap();
         let vertices = mesh.nodes.iter().map(|n| n.as_vec3()).collect();

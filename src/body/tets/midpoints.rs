@@ -47,6 +47,7 @@ impl TetMesh {
 
 /// The six middle nodes of a tet, given in any order, put in the order of [`basis::EDGES`]: each goes to the edge whose
 /// middle it is nearest to. `None` when two claim the same edge.
+#[cfg(any(feature = "import", test))]
 pub(crate) fn sort_by_edge(nodes: &[DVec3], tet: [u32; 10]) -> Option<[u32; 10]> {
     let at = |i: usize| nodes.get(tet[i] as usize).copied();
     let mut sorted = tet;

@@ -5,9 +5,13 @@
 
 mod faces;
 mod midpoints;
+mod moduli;
 mod quality;
 mod springs;
 
+#[cfg(feature = "import")]
+pub(crate) use midpoints::sort_by_edge;
+pub use moduli::SpringModuli;
 pub use quality::{Quality, Worst};
 
 use super::BuildError;

@@ -12,6 +12,10 @@
 //! row sums would give corners a negative mass. Averaged nodal pressures on linear tets (Bonet & Burton 1998)
 //! would cure the volume but not the bending and need a second pass over nodes; selective integration has no meaning on a
 //! constant-strain tet.
+//!
+//! Edges may be curved, to follow a boundary. Four points integrate the gradients of a curved element only nearly: the
+//! stress of a linear field is still exact, but its forces are out of balance by about (sagitta/length)² of the
+//! stress. Edges inside a body should be straight.
 
 mod elements;
 mod mass;

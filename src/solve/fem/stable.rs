@@ -152,7 +152,17 @@ fn bound<S: Scalar, B: Basis<N, G>, const N: usize, const G: usize>(
                 };
             }
             if round < ROUNDS && largest.is_normal() {
-                own.iter_mut().for_each(|w| *w *= largest);
+                // What is left of the matrix is nearly the projector on the fastest motion: nodes that take part in it
+                // are where this element wants mass.
+                let part = |a: usize| {
+                    (3 * a..3 * a + 3)
+                        .map(|i| matrix[i * size + i])
+                        .sum::<f64>()
+                };
+                let whole: f64 = (0..N).map(part).sum();
+                for (a, w) in own.iter_mut().enumerate() {
+                    *w *= largest * (1.0 + N as f64 * part(a) / whole);
+                }
             }
         }
         if rates.largest < best.largest {

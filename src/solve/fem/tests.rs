@@ -5,21 +5,21 @@ use crate::math::{DVec3, Vector};
 use crate::shape::{TetSplit, tet_box};
 use crate::solve::Integrator;
 
-/// A unit cube of 2³ cells with its inner nodes moved, linear and quadratic.
-fn distorted() -> [TetMesh; 2] {
+/// A unit cube of 2³ cells with its inner node moved: linear, quadratic, quadratic with curved edges inside.
+fn distorted() -> [TetMesh; 3] {
     let mut mesh = tet_box(Vector::splat(1.0), 0.5, TetSplit::Six).unwrap();
     mesh.nodes[13] += DVec3::new(0.11, -0.07, 0.09);
     mesh.check().unwrap();
-    let mut quadratic = mesh.clone().quadratic();
-    // Curved edges inside, too.
-    for (i, node) in quadratic.nodes.iter_mut().enumerate().skip(27) {
+    let quadratic = mesh.clone().quadratic();
+    let mut curved = quadratic.clone();
+    for (i, node) in curved.nodes.iter_mut().enumerate().skip(27) {
         if node.abs().max_element() < 0.49 {
             let k = i as f64;
             *node += 0.01 * DVec3::new(k.sin(), (2.0 * k).sin(), (3.0 * k).cos());
         }
     }
-    quadratic.check().unwrap();
-    [mesh, quadratic]
+    curved.check().unwrap();
+    [mesh, quadratic, curved]
 }
 
 fn total_force(model: &Model<f64>, x: &[DVec3]) -> Vec<DVec3> {
@@ -38,9 +38,10 @@ fn on_boundary(x: DVec3) -> bool {
 /// V12, static part: under a linear field inner nodes are in balance and every element has the exact stress.
 #[test]
 fn v12_patch_test_of_forces_and_stresses() {
-    for mesh in distorted() {
+    // Four points don't integrate the gradients of curved edges exactly, here by 2e-4 of the stress.
+    for (mesh, balance) in distorted().iter().zip([1e-8, 1e-8, 5e-4]) {
         for law in SolidLaw::ALL {
-            let model = Model::<f64>::new(&mesh, Solid::new(1.0e6, 0.25, 1000.0).law(law)).unwrap();
+            let model = Model::<f64>::new(mesh, Solid::new(1.0e6, 0.25, 1000.0).law(law)).unwrap();
             // MacNeal & Harder: u = 1e-3·(x + ½(y + z)) and its cyclic twins. The linear answer belongs to small strains;
             // the corotational law has it at 1e-3 too, since the field does not turn.
             let (small, factor) = match law {
@@ -55,7 +56,7 @@ fn v12_patch_test_of_forces_and_stresses() {
             let scale = 1.0e6 * small * 0.25;
             for (p, f) in mesh.nodes.iter().zip(total_force(&model, &x)) {
                 assert!(
-                    on_boundary(*p) || f.length() < 1e-8 * scale,
+                    on_boundary(*p) || f.length() < balance * scale,
                     "{law:?}: {f} at {p}"
                 );
             }
@@ -235,10 +236,10 @@ fn fastest(model: &Model<f64>, mesh: &TetMesh, inv_mass: &[f64]) -> f64 {
 #[test]
 fn the_stable_step_is_safe_and_close() {
     for (uneven, poisson, close) in [
-        (0.0, 0.0, 0.9),
-        (0.0, 0.3, 0.9),
-        (0.012, 0.3, 0.8),
-        (0.012, 0.49, 0.75),
+        (0.0, 0.0, 0.85),
+        (0.0, 0.3, 0.8),
+        (0.012, 0.3, 0.75),
+        (0.012, 0.49, 0.7),
     ] {
         for split in [TetSplit::Five, TetSplit::Six] {
             let mut linear = tet_box(Vector::new(0.4, 0.2, 0.2), 0.1, split).unwrap();
