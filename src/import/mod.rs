@@ -50,7 +50,7 @@ pub enum ImportError {
         must: String,
     },
     /// The file has no faces, or no tetrahedra where a solid is asked for.
-    #[error("{} has no faces or no tetrahedra; a mesh needs at least one", path.display())]
+    #[error("{} has no faces (or, for a solid, no tetrahedra); a mesh needs at least one", path.display())]
     Empty {
         /// The file.
         path: PathBuf,

@@ -157,7 +157,10 @@ impl<'a> Table<'a> {
         let words = table.row("the header")?;
         table.count = table.whole(what, &words[0])?;
         table.width = table.whole("the second number of the header", &words[1])?;
-        table.cursor.room_for(what, table.count, 4)?;
+        if table.cursor.room_for(what, table.count, 4).is_err() {
+            let must = "at most what the rest of the file can hold";
+            return Err(table.wrong(what, &words[0], must));
+        }
         Ok(table)
     }
 
@@ -265,7 +268,7 @@ mod tests {
             &node.replace("27 3 0 1", "99999999 3 0 1"),
             &ele,
             "t.node:2: ",
-            "bytes left",
+            "can hold",
         );
         check(
             &node.replacen("-0.5", "NaN", 1),

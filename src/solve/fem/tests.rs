@@ -235,12 +235,7 @@ fn fastest(model: &Model<f64>, mesh: &TetMesh, inv_mass: &[f64]) -> f64 {
 
 #[test]
 fn the_stable_step_is_safe_and_close() {
-    for (uneven, poisson, close) in [
-        (0.0, 0.0, 0.85),
-        (0.0, 0.3, 0.8),
-        (0.012, 0.3, 0.75),
-        (0.012, 0.49, 0.7),
-    ] {
+    for (uneven, poisson) in [(0.0, 0.0), (0.0, 0.3), (0.012, 0.3), (0.012, 0.49)] {
         for split in [TetSplit::Five, TetSplit::Six] {
             let mut linear = tet_box(Vector::new(0.4, 0.2, 0.2), 0.1, split).unwrap();
             for (i, node) in linear.nodes.iter_mut().enumerate() {
@@ -258,7 +253,7 @@ fn the_stable_step_is_safe_and_close() {
                     "ν {poisson} {split:?} uneven {uneven} {} nodes: h {reached:.3} of the limit",
                     mesh.nodes.len()
                 );
-                assert!(reached <= 1.0 + 1e-6 && reached > close, "{reached}");
+                assert!(reached <= 1.0 + 1e-6 && reached > 0.8, "{reached}");
                 assert_eq!(damping, Rates::default());
             }
         }
@@ -308,6 +303,128 @@ fn steps_at_the_bound_stay_bounded() {
             };
             assert!(!grown(limit), "β = {beta}: grows at the bound");
             assert!(grown(1.4 * limit), "β = {beta}: the bound is far too low");
+        }
+    }
+}
+
+/// V12, dynamic part, in `f32`: inner nodes let go from their old places swing, are damped and settle in the linear field.
+#[test]
+fn v12_dynamic_patch() {
+    let [linear, quadratic, _] = distorted();
+    for mesh in [linear, quadratic] {
+        let solid = Solid::new(1.0e6, 0.25, 1000.0).damping(30.0, 1e-3);
+        let model = Model::<f32>::new(&mesh, solid).unwrap();
+        let field = |p: DVec3| p + 0.5e-3 * (DVec3::splat(p.x + p.y + p.z) + p);
+        let start = |p: &DVec3| if on_boundary(*p) { field(*p) } else { *p };
+        let mut x: Vec<[f32; 3]> = mesh
+            .nodes
+            .iter()
+            .map(|p| start(p).as_vec3().to_array())
+            .collect();
+        let mut v = vec![[0.0_f32; 3]; x.len()];
+        let inv_mass: Vec<f64> = model
+            .masses()
+            .iter()
+            .zip(&mesh.nodes)
+            .map(|(m, p)| if on_boundary(*p) { 0.0 } else { 1.0 / m })
+            .collect();
+        let wide = |x: [f32; 3]| x.map(f64::from);
+        let h = 0.9
+            * model
+                .stable_step(Integrator::SymplecticEuler, |n| wide(x[n]), |n| inv_mass[n])
+                .h;
+        for _ in 0..(1.0 / h) as usize {
+            let mut forces = vec![[0.0_f32; 3]; x.len()];
+            let add = |forces: &mut Vec<[f32; 3]>, n: usize, f: [f32; 3]| {
+                (0..3).for_each(|i| forces[n][i] += f[i]);
+            };
+            model.add_elastic(|n| x[n], |n, f| add(&mut forces, n, f));
+            model.add_damping(|n| x[n], |n| v[n], |n, f| add(&mut forces, n, f));
+            for n in 0..x.len() {
+                for i in 0..3 {
+                    let drag = if inv_mass[n] > 0.0 {
+                        30.0 * v[n][i]
+                    } else {
+                        0.0
+                    };
+                    v[n][i] += h as f32 * (forces[n][i] * inv_mass[n] as f32 - drag);
+                    x[n][i] += h as f32 * v[n][i];
+                }
+            }
+        }
+        for s in model.stresses(|n| x[n]) {
+            for i in 0..3 {
+                for j in 0..3 {
+                    let expected = if i == j { 2000.0 } else { 400.0 };
+                    let off = (s.cauchy[i][j] - expected).abs() / 2000.0;
+                    assert!(off < 1e-3, "{:?}", s.cauchy);
+                }
+            }
+        }
+    }
+}
+
+/// A free cube, thrown, spinning and swinging, keeps its momentum, and its energy within the scheme's ripple.
+#[test]
+fn free_flight_conserves_momentum_and_energy() {
+    for mesh in distorted() {
+        for law in SolidLaw::ALL {
+            let model = Model::<f64>::new(&mesh, Solid::new(1.0e5, 0.3, 1000.0).law(law)).unwrap();
+            let masses = model.masses();
+            let mut x = mesh.nodes.clone();
+            let spin = DVec3::new(1.0, -2.0, 3.0);
+            let mut v: Vec<DVec3> = x
+                .iter()
+                .map(|p| {
+                    DVec3::new(1.0, 0.5, 0.0)
+                        + spin.cross(*p)
+                        + 2.0 * DVec3::new(p.y * p.z, p.x, 0.0)
+                })
+                .collect();
+            let step = |x: &[DVec3]| {
+                model
+                    .stable_step(
+                        Integrator::VelocityVerlet,
+                        |n| x[n].to_array(),
+                        |n| 1.0 / masses[n],
+                    )
+                    .h
+            };
+            let h = 0.2 * step(&x);
+            let state = |x: &[DVec3], v: &[DVec3]| {
+                let momentum: DVec3 = (0..x.len()).map(|n| masses[n] * v[n]).sum();
+                let angular: DVec3 = (0..x.len()).map(|n| masses[n] * x[n].cross(v[n])).sum();
+                let kinetic: f64 = (0..x.len())
+                    .map(|n| 0.5 * masses[n] * v[n].length_squared())
+                    .sum();
+                (
+                    momentum,
+                    angular,
+                    kinetic + model.energy(|n| x[n].to_array()),
+                )
+            };
+            let (momentum, angular, energy) = state(&x, &v);
+            for _ in 0..1000 {
+                for half in [true, false] {
+                    let forces = total_force(&model, &x);
+                    for n in 0..x.len() {
+                        v[n] += 0.5 * h / masses[n] * forces[n];
+                        if half {
+                            x[n] += h * v[n];
+                        }
+                    }
+                }
+            }
+            let (p, l, e) = state(&x, &v);
+            assert!(
+                (p - momentum).length() < 1e-10 * momentum.length(),
+                "{law:?}: {p}"
+            );
+            assert!(
+                (l - angular).length() < 1e-10 * angular.length(),
+                "{law:?}: {l}"
+            );
+            assert!((e / energy - 1.0).abs() < 5e-3, "{law:?}: {e} of {energy}");
         }
     }
 }
