@@ -52,7 +52,7 @@ pub(crate) fn sort_by_edge(nodes: &[DVec3], tet: [u32; 10]) -> Option<[u32; 10]>
     let at = |i: usize| nodes.get(tet[i] as usize).copied();
     let mut sorted = tet;
     let mut taken = [false; 6];
-    for i in 4..10 {
+    for (i, node) in tet.iter().enumerate().skip(4) {
         let place = at(i)?;
         let mut best = (f64::INFINITY, 6);
         for (e, [a, b]) in basis::EDGES.into_iter().enumerate() {
@@ -65,7 +65,7 @@ pub(crate) fn sort_by_edge(nodes: &[DVec3], tet: [u32; 10]) -> Option<[u32; 10]>
         if std::mem::replace(taken, true) {
             return None;
         }
-        sorted[4 + best.1] = tet[i];
+        sorted[4 + best.1] = *node;
     }
     Some(sorted)
 }

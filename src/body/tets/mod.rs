@@ -131,7 +131,9 @@ impl TetMesh {
         }
         let mut worst: Vec<(u32, f64)> = (0..self.tets.len() as u32)
             .map(|tet| (tet, self.least_volume(tet as usize)))
-            .filter(|&(tet, volume)| !(volume > FLAT * self.longest_edge(tet as usize).powi(3)))
+            .filter(|&(tet, volume)| {
+                volume.is_nan() || volume <= FLAT * self.longest_edge(tet as usize).powi(3)
+            })
             .collect();
         let bad = worst.len();
         if bad == 0 {

@@ -79,7 +79,7 @@ fn inverse<const N: usize>(mut m: [[f64; N]; N]) -> Option<[[f64; N]; N]> {
         m.swap(k, pivot);
         out.swap(k, pivot);
         let p = m[k][k];
-        if !(p.abs() > 1e-9) {
+        if p.is_nan() || p.abs() <= 1e-9 {
             return None;
         }
         for j in 0..N {

@@ -64,7 +64,7 @@ fn largest_root<S: Scalar>(f: &Mat<S>) -> S {
         let square = root * root;
         let value = (square - two) * square - linear * root + constant;
         let slope = S::of(4.0) * (square - S::ONE) * root - linear;
-        if !(slope > S::ZERO) || !(value > S::ZERO) {
+        if slope <= S::ZERO || value <= S::ZERO {
             break;
         }
         let next = root - value / slope;
@@ -81,7 +81,7 @@ fn largest_root<S: Scalar>(f: &Mat<S>) -> S {
 fn eigenvector<S: Scalar>(k: &[[S; 4]; 4], root: S) -> [S; 4] {
     let mut m = *k;
     for (i, row) in m.iter_mut().enumerate() {
-        row[i] = row[i] - root;
+        row[i] -= root;
     }
     let mut best = ([S::ONE, S::ZERO, S::ZERO, S::ZERO], S::ZERO);
     for column in 0..4 {
@@ -102,7 +102,11 @@ fn adjugate_column<S: Scalar>(m: &[[S; 4]; 4], column: usize) -> [S; 4] {
     std::array::from_fn(|i| {
         let columns = others(i);
         let minor = det(&super::tensor::from_fn(|a, b| m[rows[a]][columns[b]]));
-        if (i + column) % 2 == 0 { minor } else { -minor }
+        if (i + column).is_multiple_of(2) {
+            minor
+        } else {
+            -minor
+        }
     })
 }
 
@@ -110,7 +114,7 @@ fn adjugate_column<S: Scalar>(m: &[[S; 4]; 4], column: usize) -> [S; 4] {
 #[inline(always)]
 fn from_quaternion<S: Scalar>(q: [S; 4]) -> Mat<S> {
     let largest = q.iter().fold(S::ZERO, |m, c| m.max(c.abs()));
-    if !(largest > S::ZERO) {
+    if largest <= S::ZERO {
         return super::tensor::unit();
     }
     let q = q.map(|c| c / largest);

@@ -175,7 +175,7 @@ impl<S: Scalar> Model<S> {
         StableStep {
             h: if h.is_nan() { 0.0 } else { h },
             spring: elastic.element,
-            never: !(h > 0.0),
+            never: h.is_nan() || h <= 0.0,
         }
     }
 

@@ -74,13 +74,13 @@ fn free_motions<I: Iterator<Item = usize>>(
     let (mut held, mut moves) = ([[0.0; 6]; 6], [[0.0; 6]; 6]);
     for n in nodes() {
         let r = (positions[n] - centre) / size;
-        for axis in 0..3 {
+        for (axis, held_here) in fixed[n].into_iter().enumerate() {
             // How coordinate `axis` of the node moves per unit of each rigid motion: e_axis and r × e_axis.
             let e = DVec3::AXES[axis];
             let turn = r.cross(e);
             let row = [e.x, e.y, e.z, turn.x, turn.y, turn.z];
             add(&mut moves, &row);
-            if fixed[n][axis] {
+            if held_here {
                 add(&mut held, &row);
             }
         }
