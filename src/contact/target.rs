@@ -15,6 +15,15 @@ pub struct Surface {
     pub friction_combine_rule: CoefficientCombineRule,
     /// Which colliders it meets.
     pub collision_groups: InteractionGroups,
+    /// Which colliders push back; those of no agreement are only noticed.
+    pub solver_groups: InteractionGroups,
+    /// Distance kept between the middle of the surface and what touches it, doubled \[m\]: the thickness of a sheet, the
+    /// diameter of a rope.
+    pub thickness: Real,
+    /// Stiffness of its contacts \[N/m\] per node; `None`, the default, for contacts that do not give.
+    pub stiffness: Option<Real>,
+    /// Bodies of a higher group push those of a lower one and feel nothing, as in Rapier; -127 to 127.
+    pub dominance_group: i8,
 }
 
 impl Default for Surface {
@@ -23,6 +32,10 @@ impl Default for Surface {
             friction: 0.5,
             friction_combine_rule: CoefficientCombineRule::Average,
             collision_groups: InteractionGroups::all(),
+            solver_groups: InteractionGroups::all(),
+            thickness: 0.0,
+            stiffness: None,
+            dominance_group: 0,
         }
     }
 }
@@ -46,8 +59,14 @@ pub struct Target {
     pub extent: f64,
     /// Combined μ.
     pub friction: f64,
-    /// Rapier's contact skin \[m\].
+    /// Rapier's contact skin and half the deformable's thickness \[m\].
     pub skin: f64,
+    /// What the deformable takes of an impulse: 1, or 0 if it dominates the collider's body.
+    pub node_share: f64,
+    /// What the collider's body takes of it: 1, or 0 if it dominates the deformable.
+    pub rigid_share: f64,
+    /// Stiffness of the contact \[N/m\] if it gives.
+    pub stiffness: Option<f64>,
 }
 
 /// A target's frame in the world at one instant.
@@ -57,6 +76,22 @@ pub struct Frame {
     pub position: DVec3,
     /// From its axes to the world's.
     pub axes: DMat3,
+}
+
+impl Frame {
+    /// A bound on how far a point within `extent` m of the origin lies from where the other frame has it \[m\].
+    pub fn distance(&self, other: &Self, extent: f64) -> f64 {
+        let turned = (0..3)
+            .map(|i| (self.axes.col(i) - other.axes.col(i)).length_squared())
+            .sum::<f64>();
+        // A fixed half-space has no extent to speak of, and 0·∞ is no distance.
+        let turned = if turned > 0.0 {
+            turned.sqrt() * extent
+        } else {
+            0.0
+        };
+        (self.position - other.position).length() + turned
+    }
 }
 
 impl Target {
@@ -96,14 +131,14 @@ pub fn wide_rotation(r: Rotation) -> DQuat {
 }
 
 /// Whether Rapier's rules let a deformable touch this collider: both enabled, no sensor, none of Rapier's own soft bodies,
-/// groups that agree, and solver groups that have not been emptied against everyone. A deformable counts as a dynamic body
+/// groups and solver groups that agree. A deformable counts as a dynamic body
 /// with the usual collision types, and Rapier asks for the agreement of one side only, so the collider's do not matter.
 pub fn admits(collider: &Collider, body: Option<&RigidBody>, surface: &Surface) -> bool {
     collider.is_enabled()
         && body.is_none_or(|b| b.is_enabled() && !b.is_soft_frame())
         && !collider.is_sensor()
         && collider.deformable_mesh_ref().is_none()
-        && InteractionGroups::all().test(collider.solver_groups())
+        && surface.solver_groups.test(collider.solver_groups())
         && surface.collision_groups.test(collider.collision_groups())
 }
 
@@ -133,6 +168,8 @@ pub fn target(
         surface.friction_combine_rule,
         collider.friction_combine_rule(),
     );
+    let dominance = parent.map_or(i16::from(i8::MAX) + 1, |b| b.effective_dominance_group())
+        - i16::from(surface.dominance_group);
     Some(Target {
         collider: handle,
         body: parent.and(collider.parent()),
@@ -143,6 +180,9 @@ pub fn target(
         offset,
         turn,
         friction: f64::from(friction).max(0.0),
-        skin: collider.contact_skin().into(),
+        skin: f64::from(collider.contact_skin()) + 0.5 * f64::from(surface.thickness),
+        node_share: f64::from(dominance >= 0),
+        rigid_share: f64::from(dominance <= 0),
+        stiffness: surface.stiffness.map(f64::from),
     })
 }

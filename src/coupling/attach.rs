@@ -3,7 +3,7 @@
 use crate::body::state::State;
 use crate::contact::candidates::slot;
 use crate::math::{DVec3, Real};
-use crate::solve::rows::{Rows, Tie};
+use crate::solve::rows::{Rows, Term, Tie};
 use crate::solve::shadow::Shadow;
 use rapier3d::dynamics::RigidBodyHandle;
 
@@ -37,8 +37,16 @@ impl<D> Attachment<D> {
             let arm = shadow.1.rot * anchor;
             let error = state.position(node as usize) - (shadow.1.com + arm);
             let node = slot(body, node, state, slots, rows);
-            rows.ties.push(Tie {
+            let terms = rows.add_terms([Term {
                 node,
+                weight: 1.0,
+                share: 1.0,
+            }]);
+            rows.ties.push(Tie {
+                terms,
+                between: false,
+                bias: DVec3::ZERO,
+                softness: 0.0,
                 shadow: shadow.0,
                 attachment: index,
                 arm,

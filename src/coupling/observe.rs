@@ -32,7 +32,7 @@ pub struct Surroundings<'a> {
 /// How a rigid body answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Answer {
-    /// Not at all: fixed, kinematic, asleep, or dominant.
+    /// Not at all: fixed, kinematic or asleep.
     None,
     /// Like a free body.
     Free,
@@ -140,7 +140,7 @@ pub fn velocity(body: &RigidBody, dt: f64) -> (DVec3, DVec3) {
 
 /// How a body will answer in this step.
 pub fn answer(handle: RigidBodyHandle, body: &RigidBody, around: &Surroundings) -> Answer {
-    if !body.is_dynamic() || body.is_sleeping() || body.effective_dominance_group() > 0 {
+    if !body.is_dynamic() || body.is_sleeping() {
         Answer::None
     } else if is_link(handle, around) {
         // Rapier rewrites the velocity of a link from its joint coordinates: impulses are lost on it, forces are not.

@@ -37,6 +37,8 @@ pub struct Deformable {
     pub(super) backup: State<Real>,
     /// Particles and work before the free motion, for schemes that predict anew after rows.
     pub(super) start: Start,
+    /// How often nodes were moved from outside: what contact remembers of them is void then.
+    pub(super) edits: u64,
     /// The work done until then.
     pub(super) work_backup: Work,
     pub(super) h: f64,

@@ -33,6 +33,7 @@ impl Deformable {
     pub fn set_position(&mut self, node: NodeId, position: Vector) -> bool {
         let ok = node.index() < self.node_count() && position.is_finite();
         if ok {
+            self.edits += 1;
             self.edit(|body| body.state.set_position(node.index(), wide(position)));
         }
         ok
@@ -80,6 +81,7 @@ impl Deformable {
         let ok = motion.is_finite() && turn.is_finite();
         if ok {
             let shift = wide(motion.translation);
+            self.edits += 1;
             self.edit(|body| {
                 for i in 0..body.node_count() {
                     let (x, v) = (body.state.position(i), body.state.velocity(i));

@@ -2,7 +2,7 @@
 
 use super::reach::Search;
 use super::report::StepReport;
-use super::substep::Group;
+use super::substep::{Group, NEAR};
 use super::{AttachmentHandle, Deformable, DeformableHandle, DeformableWorld, RapierParts, reach};
 use crate::contact::candidates::Candidates;
 use crate::contact::target::Target;
@@ -70,6 +70,8 @@ impl DeformableWorld {
         }
         self.report.unsupported = unsupported;
         let group_of = self.join(&reaches, parts);
+        let mut kept = std::mem::take(&mut self.contacts);
+        let far = 0.01 * parts.length_unit();
         let mut groups: BTreeMap<usize, Group> = BTreeMap::new();
         let around = parts.surroundings();
         for (i, reach) in reaches.into_iter().enumerate() {
@@ -78,12 +80,21 @@ impl DeformableWorld {
                 continue;
             };
             let member = group.members.len();
+            let edits = body.edits;
             group.members.push((reach.handle, body));
             let mut candidates = Vec::new();
             for mut target in reach.targets {
                 target.shadow = shadow_of(group, target.body, &mut self.memory, &around, dt);
                 let pair = group.add_pair(member, target.collider);
-                candidates.push(Candidates::new(target, pair));
+                let key = (reach.handle.key(), target.collider.into_raw_parts());
+                candidates.push(match kept.remove(&key) {
+                    None => Candidates::new(target, pair),
+                    Some(mut c) => {
+                        let shadow = &group.shadows[target.shadow as usize];
+                        c.resume(target, pair, shadow, edits, far);
+                        c
+                    }
+                });
             }
             group.candidates.push(candidates);
             for handle in reach.attachments {
@@ -146,7 +157,14 @@ impl DeformableWorld {
             .shadows
             .iter()
             .all(|s| s.impulse.is_finite() && s.torque.is_finite());
-        let near = group.near_bodies(2e-3 * parts.length_unit());
+        let near = group.near_bodies(NEAR * parts.length_unit());
+        for ((handle, body), candidates) in group.members.iter().zip(group.candidates) {
+            for mut c in candidates {
+                c.pause(&group.shadows[c.target.shadow as usize], body.edits);
+                let key = (handle.key(), c.target.collider.into_raw_parts());
+                self.contacts.insert(key, c);
+            }
+        }
         for ((touched, end), near) in group
             .touched
             .into_iter()

@@ -30,6 +30,7 @@ pub use parts::RapierParts;
 pub use report::StepReport;
 
 use crate::body::BuildError;
+use crate::contact::candidates::Candidates;
 use crate::coupling::attach::Attachment;
 use crate::coupling::memory::BodyMemory;
 use crate::math::Vector;
@@ -41,6 +42,13 @@ use std::collections::BTreeMap;
 /// A deformable in a [`DeformableWorld`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct DeformableHandle(pub(crate) Index);
+
+impl DeformableHandle {
+    /// What handles are sorted by.
+    fn key(self) -> (u32, u32) {
+        self.0.into_raw_parts()
+    }
+}
 
 /// An attachment in a [`DeformableWorld`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -72,6 +80,8 @@ pub struct DeformableWorld {
     bodies: Arena<Box<Deformable>>,
     attachments: Arena<Attachment<DeformableHandle>>,
     memory: BTreeMap<BodyKey, BodyMemory>,
+    /// What each deformable touched of each collider in the last step.
+    contacts: BTreeMap<((u32, u32), BodyKey), Candidates>,
     waiting: Vec<Waiting>,
     report: StepReport,
     time: f64,

@@ -12,6 +12,8 @@ pub(super) struct Start {
     particles: Vec<Particle<Real>>,
     low: Vec<[Real; 3]>,
     work: Work,
+    /// Whether the body has been put back to it in this substep.
+    restored: bool,
 }
 
 impl Deformable {
@@ -72,31 +74,33 @@ impl Deformable {
         (self.state.local(node) - start) / h
     }
 
-    /// Gives rows' velocity changes to the nodes, and moves anew where the scheme wants it.
-    pub(super) fn take_impulses(&mut self, changes: impl Iterator<Item = (usize, DVec3)>, h: f64) {
+    /// Gives a node the velocity change of its rows. Schemes that must move anew start over at the first.
+    pub(super) fn take_impulse(&mut self, node: usize, change: DVec3, h: f64) {
         if self.integrator().takes_late_impulses() {
-            for (node, change) in changes {
-                self.solver.kick(&mut self.state, node, change, h);
-            }
+            self.solver.kick(&mut self.state, node, change, h);
             return;
         }
-        let mut changes = changes.peekable();
-        if changes.peek().is_none() {
-            return;
+        if !self.start.restored {
+            self.start.restored = true;
+            self.state.particles.clone_from(&self.start.particles);
+            self.state.low.clone_from(&self.start.low);
+            // Flow and fracture were committed at the start and stay; the other sums belong to the motion that is taken
+            // back.
+            self.solver.work = Work {
+                plastic: self.solver.work.plastic,
+                fracture: self.solver.work.fracture,
+                ..self.start.work
+            };
         }
-        self.state.particles.clone_from(&self.start.particles);
-        self.state.low.clone_from(&self.start.low);
-        // Flow and fracture were committed at the start and stay; the other sums belong to the motion that is taken back.
-        self.solver.work = Work {
-            plastic: self.solver.work.plastic,
-            fracture: self.solver.work.fracture,
-            ..self.start.work
-        };
-        for (node, change) in changes {
-            let v = self.state.velocity(node) + change;
-            self.state.set_velocity(node, v);
+        let v = self.state.velocity(node) + change;
+        self.state.set_velocity(node, v);
+    }
+
+    /// Moves anew where impulses were taken at the start of the substep.
+    pub(super) fn move_anew(&mut self, h: f64) {
+        if std::mem::take(&mut self.start.restored) {
+            self.free_motion(h);
         }
-        self.free_motion(h);
     }
 
     /// Completes the substep.
@@ -136,6 +140,8 @@ impl Deformable {
         self.state.clone_from(&self.backup);
         self.solver.work = self.work_backup;
         self.solver.events.clear();
+        self.start.restored = false;
+        self.edits += 1;
         self.rebuild_table();
         self.solver.forget_forces();
     }

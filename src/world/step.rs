@@ -6,7 +6,7 @@ use super::kinematic::KinematicTargets;
 use super::observer::Observer;
 use super::reach::Search;
 use super::report::{StepReport, note};
-use super::substep::{Group, Settings};
+use super::substep::{Group, NEAR, Settings};
 use super::{DeformableWorld, RapierParts, reach};
 use crate::contact::distance::Primitive;
 use crate::coupling::handover;
@@ -189,7 +189,7 @@ impl DeformableWorld {
         let settings = Settings {
             passes: self.params.passes.max(1),
             push_out: self.params.push_out_speed * unit,
-            margin: 0.05 * unit,
+            near: NEAR * unit,
             touching: 1e-5 * unit,
             length_unit: unit,
         };

@@ -9,10 +9,11 @@ use crate::body::SpringId;
 use crate::contact::candidates::{Candidates, Reach};
 use crate::coupling::attach::Attachment;
 use crate::coupling::observe::Answer;
-use crate::law::row::push_out;
+use crate::law::row::{pull_back, push_out};
 use crate::math::DVec3;
-use crate::solve::rows::{RowNode, Rows};
+use crate::solve::rows::{RowNode, Rows, Term, Terms};
 use crate::solve::shadow::Shadow;
+use crate::solve::work::Work;
 use rapier3d::geometry::ColliderHandle;
 
 /// An attachment while its group is advanced.
@@ -42,14 +43,17 @@ pub(super) struct Group {
     rows: Rows,
 }
 
+/// Distance within which a node counts as near a sleeping body, in length units.
+pub(super) const NEAR: f64 = 2e-3;
+
 /// Settings of a substep.
 #[derive(Clone, Copy)]
 pub(super) struct Settings {
     pub passes: usize,
     /// Speed of the push-out \[m/s\].
     pub push_out: f64,
-    /// Margin of candidate lists \[m\].
-    pub margin: f64,
+    /// Distance within which a node counts as near a sleeping body \[m\].
+    pub near: f64,
     /// Distance that counts as touching \[m\].
     pub touching: f64,
     /// The world's length unit.
@@ -129,6 +133,7 @@ impl Group {
         }
         self.read_free_velocities(h);
         self.rows.solve(&mut self.shadows, h, s.passes, reversed);
+        self.remember(s);
         self.write_velocities(h);
         self.push_out(h, s);
         self.book_work();
@@ -162,7 +167,7 @@ impl Group {
                     slack,
                     farthest: s.touching + slack + 2.0 * moved,
                 };
-                c.refresh(&body.state, shadow, moved, s.margin, reach.farthest);
+                c.refresh(&body.state, shadow, moved, reach.farthest.max(s.near));
                 c.add_rows(
                     m,
                     &body.state,
@@ -188,21 +193,29 @@ impl Group {
         }
     }
 
-    fn write_velocities(&mut self, h: f64) {
-        // Row nodes come member by member, because rows are found so.
-        for nodes in self.rows.nodes.chunk_by(|a, b| a.body == b.body) {
-            let body = &mut self.members[nodes[0].body as usize].1;
-            for node in nodes {
-                body.slots[node.node as usize] = u32::MAX;
-            }
-            let changed = nodes.iter().filter(|n| n.v != n.free);
-            body.take_impulses(changed.map(|n| (n.node as usize, n.v - n.free)), h);
+    /// What touches, sticks and slides, for the next substep.
+    fn remember(&mut self, s: &Settings) {
+        for c in self.candidates.iter_mut().flatten() {
+            c.remember(&self.rows, s.touching);
         }
     }
 
-    /// Mends depth and tie errors at position level, on the node alone, which gives nothing any velocity. What that changes
-    /// in stored energy is booked; the angular momentum that a moved node loses goes to the body it is moved out of, if
-    /// that is free.
+    fn write_velocities(&mut self, h: f64) {
+        for node in &self.rows.nodes {
+            let body = &mut self.members[node.body as usize].1;
+            body.slots[node.node as usize] = u32::MAX;
+            if node.v != node.free {
+                body.take_impulse(node.node as usize, node.v - node.free, h);
+            }
+        }
+        for (_, body) in &mut self.members {
+            body.move_anew(h);
+        }
+    }
+
+    /// Mends depth, creep of what sticks, and errors of ties at position level, on the nodes alone, which gives nothing any
+    /// velocity. What that changes in stored energy is booked; the angular momentum that a moved node loses goes to the
+    /// body it is moved out of, if that is free.
     fn push_out(&mut self, h: f64, s: &Settings) {
         let Self {
             rows,
@@ -211,13 +224,8 @@ impl Group {
             touched,
             ..
         } = self;
-        let mut mend = |node: u32, shadow: u32, by: DVec3| {
-            let node = &rows.nodes[node as usize];
-            // A pinned node stays where it is put.
-            if node.inv_mass == 0.0 {
-                return;
-            }
-            let lost = displace(members, node, by);
+        let mut mend = |terms: Terms, shadow: u32, by: DVec3| {
+            let lost = displace(members, &rows.nodes, rows.terms_of(terms), by);
             if (shadow as usize)
                 .checked_sub(1)
                 .is_some_and(|i| touched[i].answer == Answer::Free)
@@ -227,45 +235,59 @@ impl Group {
                 shadow.torque += lost;
             }
         };
-        for row in rows.contacts.iter().filter(|r| r.depth > 0.0) {
-            let by = row.normal * push_out(row.depth, h, s.push_out);
-            mend(row.node, row.shadow, by);
+        for row in &rows.contacts {
+            let mut by = DVec3::ZERO;
+            if row.depth > 0.0 && row.softness == 0.0 {
+                by += row.normal * push_out(row.depth, h, s.push_out);
+            }
+            if row.drift != DVec3::ZERO && row.sticks() {
+                by -= row.drift * pull_back(h);
+            }
+            if by != DVec3::ZERO {
+                mend(row.terms, row.shadow, by);
+            }
         }
-        for tie in &rows.ties {
+        for tie in rows.ties.iter().filter(|t| t.softness == 0.0) {
             let length = tie.error.length();
             if length > 0.0 {
-                let by = tie.error * (-push_out(length, h, s.push_out) / length);
-                mend(tie.node, tie.shadow, by);
+                let by = -towards(tie.error, push_out(length, h, s.push_out));
+                mend(tie.terms, tie.shadow, by);
             }
         }
     }
 
-    /// Work of every row by the trapezoid rule over the displacements actually made.
+    /// Work of every row by the trapezoid rule over the displacements actually made. It is booked where the two sides meet:
+    /// at the collider's velocity, or half-way between the points of two deformables.
     fn book_work(&mut self) {
         for row in &self.rows.contacts {
-            let impulse = row.normal * row.normal_impulse + row.friction_impulse;
+            let terms = self.rows.terms_of(row.terms);
             let shadow = &self.shadows[row.shadow as usize];
-            let (mean, work) = mean_velocity(
-                &mut self.members,
-                &self.rows.nodes[row.node as usize],
-                impulse,
-            );
-            let rigid = 0.5 * (shadow.velocity_before(row.arm) + shadow.velocity_at(row.arm));
-            work.contact_normal -= row.normal_impulse * row.normal.dot(mean - rigid);
-            work.contact_friction -= row.friction_impulse.dot(mean - rigid);
-            work.rigid += impulse.dot(rigid);
+            let meeting = if row.between {
+                0.5 * mean_velocity(&self.members, &self.rows.nodes, terms, f64::abs)
+            } else {
+                0.5 * (shadow.velocity_before(row.arm) + shadow.velocity_at(row.arm))
+            };
+            let impulse = row.impulse();
+            let along = row.normal * row.normal_impulse;
+            for term in terms {
+                let node = &self.rows.nodes[term.node as usize];
+                let (mean, work) = node_work(&mut self.members, node, impulse * term.share);
+                work.contact_normal -= term.share * along.dot(mean - meeting);
+                work.contact_friction -= term.share * row.friction_impulse.dot(mean - meeting);
+                work.rigid += term.share * impulse.dot(meeting);
+            }
             let pair = &mut self.pairs[row.pair as usize];
             pair.impulse += impulse;
             pair.depth = pair.depth.max(row.depth);
             pair.touching += u32::from(row.normal_impulse > 0.0);
         }
         for tie in &self.rows.ties {
-            let (mean, work) = mean_velocity(
-                &mut self.members,
-                &self.rows.nodes[tie.node as usize],
-                tie.impulse,
-            );
-            work.rigid += tie.impulse.dot(mean);
+            for term in self.rows.terms_of(tie.terms) {
+                let node = &self.rows.nodes[term.node as usize];
+                let impulse = tie.impulse * term.share;
+                let (mean, work) = node_work(&mut self.members, node, impulse);
+                work.rigid += impulse.dot(mean);
+            }
             let attached = &mut self.attachments[tie.attachment as usize];
             attached.impulse -= tie.impulse;
             attached.torque -= tie.arm.cross(tie.impulse);
@@ -359,33 +381,72 @@ impl Group {
 
 type Members = [(DeformableHandle, Box<Deformable>)];
 
-/// Moves a node, books what that adds to the stored energy, and returns what it takes from the angular momentum.
-fn displace(members: &mut Members, node: &RowNode, by: DVec3) -> DVec3 {
-    let body = &mut members[node.body as usize].1;
-    let i = node.node as usize;
-    let mass = f64::from(body.blueprint.nodes[i].mass);
-    let force = body.solver.force(i) + body.gravity() * mass;
-    body.solver.work.push_out -= force.dot(by);
-    let step = by.as_vec3().to_array();
-    body.state.displace(i, step);
-    -by.cross(body.state.velocity(i) * mass)
+/// A vector of length `length` along `v`.
+fn towards(v: DVec3, length: f64) -> DVec3 {
+    v * (length / v.length())
+}
+
+/// Moves a point by moving its nodes as an impulse would, books what that adds to the stored energy, and returns what it
+/// takes from the angular momentum. A pinned node stays where it is put.
+fn displace(members: &mut Members, nodes: &[RowNode], terms: &[Term], by: DVec3) -> DVec3 {
+    let response: f64 = terms
+        .iter()
+        .map(|t| t.weight * t.share * nodes[t.node as usize].inv_mass)
+        .sum();
+    let mut lost = DVec3::ZERO;
+    if response <= 0.0 {
+        return lost;
+    }
+    for term in terms {
+        let node = &nodes[term.node as usize];
+        let by = by * (term.share * node.inv_mass / response);
+        if by == DVec3::ZERO {
+            continue;
+        }
+        let body = &mut members[node.body as usize].1;
+        let i = node.node as usize;
+        let mass = f64::from(body.blueprint.nodes[i].mass);
+        let force = body.solver.force(i) + body.gravity() * mass;
+        body.solver.work.push_out -= force.dot(by);
+        body.state.displace(i, by.as_vec3().to_array());
+        lost -= by.cross(body.state.velocity(i) * mass);
+    }
+    lost
+}
+
+/// Leapfrog velocities stand at half substeps: the trapezoid of the displacements before and after the impulse. The other
+/// schemes know the velocity at the impulse itself, just before it and just after.
+fn mean(body: &Deformable, node: &RowNode) -> DVec3 {
+    if body.integrator().takes_late_impulses() {
+        0.5 * (node.before + node.v)
+    } else {
+        node.before + 0.5 * (node.v - node.free)
+    }
+}
+
+/// The sum of the nodes' mean velocities by the weights after `of` \[m/s\].
+fn mean_velocity(
+    members: &Members,
+    nodes: &[RowNode],
+    terms: &[Term],
+    of: impl Fn(f64) -> f64,
+) -> DVec3 {
+    let velocity = |t: &Term| {
+        let node = &nodes[t.node as usize];
+        mean(&members[node.body as usize].1, node) * of(t.weight)
+    };
+    terms.iter().map(velocity).sum()
 }
 
 /// The velocity whose product with an impulse on a node is its work, and where to book it. Whatever holds a pinned node
 /// takes up the work of the impulse.
-fn mean_velocity<'a>(
+fn node_work<'a>(
     members: &'a mut Members,
     node: &RowNode,
     impulse: DVec3,
-) -> (DVec3, &'a mut crate::solve::work::Work) {
+) -> (DVec3, &'a mut Work) {
     let body = &mut members[node.body as usize].1;
-    // Leapfrog velocities stand at half substeps: the trapezoid of the displacements before and after the impulse. The
-    // other schemes know the velocity at the impulse itself, just before it and just after.
-    let mean = if body.integrator().takes_late_impulses() {
-        0.5 * (node.before + node.v)
-    } else {
-        node.before + 0.5 * (node.v - node.free)
-    };
+    let mean = mean(body, node);
     let work = &mut body.solver.work;
     if node.inv_mass == 0.0 {
         work.external -= impulse.dot(mean);

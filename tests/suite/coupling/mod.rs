@@ -3,6 +3,7 @@
 
 mod impact;
 mod rest;
+mod stick;
 
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
