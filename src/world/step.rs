@@ -138,8 +138,7 @@ impl DeformableWorld {
         let mut found = false;
         for (_, body) in self.iter().filter(|(_, b)| b.is_enabled()) {
             reach::for_each_in_reach(body, &search, |_, collider, _| {
-                found |= collider.parent().is_some_and(awake)
-                    && Solid::takes(collider.shape());
+                found |= collider.parent().is_some_and(awake) && Solid::takes(collider.shape());
             });
         }
         found || self.attachments.iter().any(|(_, a)| awake(a.body))

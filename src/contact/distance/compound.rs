@@ -38,6 +38,11 @@ impl Part {
         (d, self.axes * n)
     }
 
+    /// Whether `p` is inside or less than `margin` m outside.
+    fn holds(&self, p: DVec3, margin: f64) -> bool {
+        self.away(p) <= margin && self.signed_distance(p).0 < margin
+    }
+
     /// A lower bound of the distance, from its box.
     fn away(&self, p: DVec3) -> f64 {
         (self.lo - p).max(p - self.hi).max(DVec3::ZERO).length()
@@ -130,10 +135,11 @@ impl Compound {
     /// Visits the parts.
     pub fn for_each_convex(&self, f: &mut dyn FnMut(DVec3, DQuat, &Solid)) {
         for part in &self.parts {
-            part.solid.for_each_convex(&mut |position, rotation, solid| {
-                let position = part.position + part.axes * position;
-                f(position, part.rotation * rotation, solid);
-            });
+            part.solid
+                .for_each_convex(&mut |position, rotation, solid| {
+                    let position = part.position + part.axes * position;
+                    f(position, part.rotation * rotation, solid);
+                });
         }
     }
 
@@ -187,20 +193,19 @@ impl Compound {
         self.inside(p)
     }
 
-    /// Whether the way out from `p` along `normal` to a face at `height` ends in some part.
+    /// Whether the way out from `p` along `normal` to a face at `height` ends in some part, or on its surface: a point in
+    /// the gap between two boxes, level with their tops, is not out on either side.
     fn hidden(&self, p: DVec3, height: f64, normal: DVec3) -> bool {
-        let end = p + normal * (self.seam - height);
-        self.within(end)
+        self.covered(p + normal * (self.seam - height))
     }
 
-    fn within(&self, p: DVec3) -> bool {
-        self.parts
-            .iter()
-            .any(|part| part.away(p) <= 0.0 && part.signed_distance(p).0 < 0.0)
+    fn covered(&self, end: DVec3) -> bool {
+        let margin = 0.5 * self.seam;
+        self.parts.iter().any(|part| part.holds(end, margin))
     }
 
-    /// The nearest way out of the parts around `p`: through a face, or through the line in which two faces meet that hide
-    /// each other, the inner edge of an L.
+    /// The nearest way out of the parts around `p`: through a face, or through the line in which a face meets one of the
+    /// part that hides it, the inner edge of an L.
     fn inside(&self, p: DVec3) -> (f64, DVec3) {
         let mut exits = Exits {
             list: [Exit::default(); Exits::MOST],
@@ -223,14 +228,25 @@ impl Compound {
             }
             closed += 1;
         }
-        for (i, a) in exits.list[..closed].iter().enumerate() {
-            for b in &exits.list[..i] {
-                if let Some((height, normal)) = through_edge(a, b)
-                    && height > best.0
-                    && !self.hidden(p, height, normal)
-                {
-                    best = (height, normal);
-                }
+        for exit in &exits.list[..closed] {
+            let end = p + exit.normal * (self.seam - exit.height);
+            for part in self
+                .parts
+                .iter()
+                .filter(|part| part.holds(end, 0.5 * self.seam))
+            {
+                part.solid.exits(part.local(p), &mut |height, n| {
+                    let normal = part.axes * n;
+                    let Some(step) = through_edge(exit, &Exit { height, normal }) else {
+                        return;
+                    };
+                    // Off both faces.
+                    let off = (exit.normal + normal) / (1.0 + exit.normal.dot(normal));
+                    let height = -step.length();
+                    if height > best.0 && !self.covered(p + step + off * self.seam) {
+                        best = (height, step.try_normalize().unwrap_or(normal));
+                    }
+                });
             }
         }
         if best.0 > f64::NEG_INFINITY {
@@ -268,7 +284,7 @@ impl Compound {
             let at = p + n * (way + self.seam);
             let mut farther = way;
             for part in &self.parts {
-                if part.away(at) > 0.0 || part.signed_distance(at).0 >= 0.0 {
+                if !part.holds(at, 0.0) {
                     continue;
                 }
                 // Back from far outside: where it enters is where the way leaves.
@@ -290,8 +306,8 @@ impl Compound {
     }
 }
 
-/// The way to the line in which two faces meet, if both must be passed on it.
-fn through_edge(a: &Exit, b: &Exit) -> Option<(f64, DVec3)> {
+/// The step to the line in which two faces meet \[m\], if both must be passed on it.
+fn through_edge(a: &Exit, b: &Exit) -> Option<DVec3> {
     let c = a.normal.dot(b.normal);
     let sine = 1.0 - c * c;
     if sine < 1e-6 {
@@ -303,9 +319,7 @@ fn through_edge(a: &Exit, b: &Exit) -> Option<(f64, DVec3)> {
     if x < 0.0 || y < 0.0 {
         return None;
     }
-    let step = a.normal * x + b.normal * y;
-    let normal = step.try_normalize().unwrap_or(a.normal);
-    Some((-step.length(), normal))
+    Some(a.normal * x + b.normal * y)
 }
 
 /// The box that holds a turned box.

@@ -38,7 +38,10 @@ impl Solid {
     /// curved part. A cheap test that errs towards yes; the middle of a large floor has none, a half-space never.
     pub fn has_edges_in(&self, lo: DVec3, hi: DVec3) -> bool {
         // A grown edge stays within the radius of the sharp one.
-        let (lo, hi) = (lo - DVec3::splat(self.radius), hi + DVec3::splat(self.radius));
+        let (lo, hi) = (
+            lo - DVec3::splat(self.radius),
+            hi + DVec3::splat(self.radius),
+        );
         let meets = |low: DVec3, high: DVec3| lo.cmple(high).all() && hi.cmpge(low).all();
         match &self.core {
             Core::Point => meets(DVec3::ZERO, DVec3::ZERO),

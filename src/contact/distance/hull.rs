@@ -103,7 +103,10 @@ impl Hull {
                 let edge = flat(list[(i + 1) % list.len()]) - flat(v);
                 corners.push(Corner {
                     point: flat(v),
-                    out: edge.cross(face.normal).try_normalize().unwrap_or(DVec3::ZERO),
+                    out: edge
+                        .cross(face.normal)
+                        .try_normalize()
+                        .unwrap_or(DVec3::ZERO),
                     vertex: number[v as usize],
                     across: 0,
                 });
@@ -163,6 +166,11 @@ impl Hull {
         self.width
     }
 
+    /// Whether it is a polygon with two sides and nothing between, so that its planes alone do not bound it.
+    pub fn is_sheet(&self) -> bool {
+        self.faces.len() == 2
+    }
+
     /// The corner farthest in a direction.
     pub fn support(&self, direction: DVec3) -> DVec3 {
         let mut best = (f64::NEG_INFINITY, DVec3::ZERO);
@@ -191,20 +199,21 @@ impl Hull {
 
     #[inline]
     fn highest_face(&self, p: DVec3) -> (f64, usize) {
-        let mut best = (f64::NEG_INFINITY, 0);
+        let mut best = (f64::NEG_INFINITY, 0, [f64::NAN; LANES]);
         for (k, block) in self.blocks.iter().enumerate() {
             let heights = block.heights(p);
-            let mut top = heights[0];
-            for &height in &heights[1..] {
-                top = if height > top { height } else { top };
-            }
+            let top = greatest(&heights);
             if top > best.0 {
-                best = (top, k);
+                best = (top, k, heights);
             }
         }
-        let heights = self.blocks[best.1].heights(p);
-        let lane = heights.iter().position(|&h| h == best.0).unwrap_or(0);
-        (heights[lane], best.1 * LANES + lane)
+        let (top, block, heights) = best;
+        // No early end: a branch that is anyone's guess costs more than the rest of the lanes.
+        let mut lane = 0;
+        for (i, &height) in heights.iter().enumerate() {
+            lane = if height == top { i } else { lane };
+        }
+        (heights[lane], block * LANES + lane)
     }
 
     /// Signed distance and normal.
@@ -212,7 +221,7 @@ impl Hull {
     pub fn signed_distance(&self, p: DVec3) -> (f64, DVec3) {
         let (height, face) = self.highest_face(p);
         let normal = self.faces[face].normal;
-        if !(height > 0.0) {
+        if (height <= 0.0 || height.is_nan()) && !self.is_sheet() {
             return (height, normal);
         }
         let mut nearest = self.nearest_on(face, p);
@@ -270,7 +279,8 @@ impl Hull {
         };
         for c in face.first..face.end {
             let corner = &self.corners[c as usize];
-            if !((p - corner.point).dot(corner.out) > 0.0) {
+            let beyond = (p - corner.point).dot(corner.out);
+            if beyond <= 0.0 || beyond.is_nan() {
                 continue;
             }
             let next = &self.corners[face.after(c)];
@@ -340,6 +350,19 @@ impl Hull {
         }
         least
     }
+}
+
+/// In a tree, which does not wait for one comparison after the other.
+#[inline]
+fn greatest(h: &[f64; LANES]) -> f64 {
+    let of = |a: f64, b: f64| if a > b { a } else { b };
+    let four = [
+        of(h[0], h[4]),
+        of(h[1], h[5]),
+        of(h[2], h[6]),
+        of(h[3], h[7]),
+    ];
+    of(of(four[0], four[2]), of(four[1], four[3]))
 }
 
 impl Face {

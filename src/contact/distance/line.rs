@@ -12,7 +12,9 @@ impl Solid {
             Core::Compound(compound) => compound.cast(a, b),
             Core::Voxels(grid) => grid.cast(a, b),
             // Over its planes a hull is as convex and has the same surface, and needs no search for edges.
-            Core::Hull(hull) if self.radius == 0.0 => enter(|p| hull.highest(p), a, b),
+            Core::Hull(hull) if self.radius == 0.0 && !hull.is_sheet() => {
+                enter(|p| hull.highest(p), a, b)
+            }
             _ => enter(|p| self.signed_distance(p), a, b),
         }
     }
@@ -36,11 +38,11 @@ impl Solid {
         // A segment parallel to a face is nearest everywhere.
         let flat = 1e-12 * path.length();
         let mut low = at(0.0);
-        if !(low.slope < -flat) {
+        if low.slope >= -flat || low.slope.is_nan() {
             return low.answer();
         }
         let mut high = at(1.0);
-        if !(high.slope > flat) {
+        if high.slope <= flat || high.slope.is_nan() {
             return high.answer();
         }
         for i in 0..MOST_STEPS {
@@ -57,6 +59,9 @@ impl Solid {
                 _ => low.t + 0.5 * width,
             };
             let new = at(t.clamp(low.t + 1e-3 * width, high.t - 1e-3 * width));
+            if new.slope.abs() <= flat {
+                return new.answer();
+            }
             if new.slope < 0.0 {
                 low = new;
             } else {
@@ -104,7 +109,7 @@ impl Sample {
             high
         };
         // Also where the length is no number.
-        if !(length > 0.1) {
+        if length <= 0.1 || length.is_nan() {
             return nearest.answer();
         }
         let distance = if nearest.distance < 0.0 {
@@ -112,17 +117,13 @@ impl Sample {
         } else {
             nearest.distance
         };
-        (self.tangents_meet(high).0, distance, normal / length)
+        (nearest.t, distance, normal / length)
     }
 }
 
 /// Newton's method from outside. The tangent of a convex distance lies below it, so a step never goes past the entry, a
 /// face is reached in one, and a slope that has turned upwards proves a miss.
-pub fn enter(
-    distance: impl Fn(DVec3) -> (f64, DVec3),
-    a: DVec3,
-    b: DVec3,
-) -> Option<(f64, DVec3)> {
+pub fn enter(distance: impl Fn(DVec3) -> (f64, DVec3), a: DVec3, b: DVec3) -> Option<(f64, DVec3)> {
     let path = b - a;
     let length = path.length();
     let close = 1e-13 * (a.length() + length);
@@ -135,14 +136,14 @@ pub fn enter(
     // A path that only grazes halves its distance with every step.
     for _ in 0..64 {
         let slope = n.dot(path);
-        if !(slope < 0.0) {
+        if slope >= 0.0 || slope.is_nan() {
             return None;
         }
         if d <= close {
             return Some((t, n));
         }
         t -= d / slope;
-        if !(t <= 1.0) {
+        if t > 1.0 || t.is_nan() {
             return None;
         }
         (d, n) = distance(a + path * t);

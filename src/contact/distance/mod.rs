@@ -153,9 +153,7 @@ impl Solid {
             Core::Segment(a, b) if (*b - *a).dot(direction) > 0.0 => *b,
             Core::Segment(a, _) => *a,
             Core::Cuboid(half) => *half * sign,
-            Core::Cylinder(half_height, radius) => {
-                rim(*radius) + DVec3::Y * (half_height * sign.y)
-            }
+            Core::Cylinder(half_height, radius) => rim(*radius) + DVec3::Y * (half_height * sign.y),
             Core::Cone(half_height, radius) => {
                 let (apex, base) = (
                     DVec3::Y * *half_height,
@@ -179,8 +177,7 @@ impl Solid {
             Core::Compound(compound) => compound.bounds(),
             Core::Voxels(grid) => grid.bounds(),
             _ => {
-                let far =
-                    |axis: DVec3| self.support(axis).map_or(f64::INFINITY, |p| p.dot(axis));
+                let far = |axis: DVec3| self.support(axis).map_or(f64::INFINITY, |p| p.dot(axis));
                 (
                     -DVec3::new(far(DVec3::NEG_X), far(DVec3::NEG_Y), far(DVec3::NEG_Z)),
                     DVec3::new(far(DVec3::X), far(DVec3::Y), far(DVec3::Z)),

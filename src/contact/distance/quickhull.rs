@@ -125,10 +125,7 @@ fn grow(points: &[DVec3], [a, b, c, d]: [u32; 4], eps: f64) -> Option<Vec<Facet>
             let f = visible[next];
             next += 1;
             for k in 0..3 {
-                let (v, other) = (
-                    facets[f as usize].v,
-                    facets[f as usize].across[k] as usize,
-                );
+                let (v, other) = (facets[f as usize].v, facets[f as usize].across[k] as usize);
                 if !facets[other].alive {
                     if !visible.contains(&(other as u32)) {
                         return None;
@@ -168,12 +165,7 @@ fn one<T>(list: &[T], fits: impl Fn(&T) -> bool) -> Option<u32> {
 }
 
 /// The facet a point is highest above.
-fn highest(
-    facets: &[Facet],
-    among: std::ops::Range<usize>,
-    p: DVec3,
-    eps: f64,
-) -> (f64, u32) {
+fn highest(facets: &[Facet], among: std::ops::Range<usize>, p: DVec3, eps: f64) -> (f64, u32) {
     let mut best = (f64::NEG_INFINITY, 0);
     for i in among {
         let height = facets[i].height(p);
@@ -227,10 +219,9 @@ fn faces(points: &[DVec3], facets: &[Facet], tolerance: f64) -> Vec<Vec<u32>> {
         while next < members.len() {
             for &other in &facets[members[next]].across {
                 let f = &facets[other as usize];
-                let flat = f
-                    .v
-                    .iter()
-                    .all(|&v| plane.height(points[v as usize]).abs() <= tolerance);
+                let flat =
+                    f.v.iter()
+                        .all(|&v| plane.height(points[v as usize]).abs() <= tolerance);
                 if group[other as usize] == usize::MAX && flat && f.normal.dot(plane.normal) >= 0.0
                 {
                     group[other as usize] = seed;

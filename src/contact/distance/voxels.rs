@@ -18,7 +18,8 @@ pub struct Grid {
     index: Vec<u32>,
     first: IVector,
     size: IVector,
-    /// Of the chunks with filled cells, for points far from all.
+    /// Chunks with filled cells, and a tree of them for points far from all.
+    full: Vec<u32>,
     tree: Bvh,
     /// Of the filled cells \[m\].
     lo: DVec3,
@@ -32,8 +33,39 @@ struct Chunk {
 }
 
 const SELF: u32 = 1 << 13;
+/// The neighbours across faces.
+const FACES: u32 = 1 << 4 | 1 << 10 | 1 << 12 | 1 << 14 | 1 << 16 | 1 << 22;
+/// The seven neighbours around each corner of a cell: bits 0 to 2 of the index say whether the corner is the upper one.
+const OCTANTS: [u32; 8] = {
+    let mut masks = [0; 8];
+    let mut i = 0;
+    while i < 64 {
+        let (corner, step) = (i / 8, i % 8);
+        let mut bit = 13;
+        let mut axis = 0;
+        let mut weight = 1;
+        while axis < 3 {
+            if step >> axis & 1 == 1 {
+                bit = if corner >> axis & 1 == 1 {
+                    bit + weight
+                } else {
+                    bit - weight
+                };
+            }
+            axis += 1;
+            weight *= 3;
+        }
+        if step != 0 {
+            masks[corner] |= 1 << bit;
+        }
+        i += 1;
+    }
+    masks
+};
 /// Entries of the index above which chunks are searched for instead (16 MB).
 const LARGEST_INDEX: i64 = 1 << 22;
+/// Cells from the origin beyond which nothing is looked for, as they are numbered in 32 bits.
+const MOST_CELLS: f64 = 1e9;
 /// Rings of cells within which the nearest empty one is looked for.
 const DEEPEST: i32 = 6;
 
@@ -60,12 +92,10 @@ fn order(key: IVector) -> (i32, i32, i32) {
     (key.x, key.y, key.z)
 }
 
-/// All steps to a neighbour with their bits, faces before edges before corners.
+/// All steps of up to `range` cells.
 fn neighbours(range: i32) -> impl Iterator<Item = IVector> {
     let all = move || -range..=range;
-    all().flat_map(move |x| {
-        all().flat_map(move |y| all().map(move |z| IVector::new(x, y, z)))
-    })
+    all().flat_map(move |x| all().flat_map(move |y| all().map(move |z| IVector::new(x, y, z))))
 }
 
 fn bit(step: IVector) -> u32 {
@@ -119,6 +149,7 @@ impl Grid {
             index: Vec::new(),
             first: IVector::splat(0),
             size: IVector::splat(0),
+            full: Vec::new(),
             tree: Bvh::new(),
             lo: DVec3::INFINITY,
             hi: DVec3::NEG_INFINITY,
@@ -157,12 +188,12 @@ impl Grid {
     }
 
     fn fill(&mut self, filled: &[IVector]) {
-        let mut full: Vec<usize> = Vec::new();
+        let mut full: Vec<u32> = Vec::new();
         for &c in filled {
             let low = c.as_dvec3() * self.cell;
             self.lo = self.lo.min(low);
             self.hi = self.hi.max(low + self.cell);
-            full.extend(self.chunk(place(c).0));
+            full.extend(self.chunk(place(c).0).map(|i| i as u32));
             for step in neighbours(1) {
                 let (key, at) = place(c + step);
                 if let Some(i) = self.chunk(key) {
@@ -173,15 +204,18 @@ impl Grid {
         full.sort_unstable();
         full.dedup();
         let boxes: Vec<(usize, Aabb)> = full
-            .into_iter()
-            .map(|i| {
-                let low = (self.chunks[i].key * 8).as_dvec3() * self.cell;
+            .iter()
+            .enumerate()
+            .map(|(k, &i)| {
+                let low = (self.chunks[i as usize].key * 8).as_dvec3() * self.cell;
                 let (mins, maxs) = (low.as_vec3(), (low + self.cell * 8.0).as_vec3());
                 // Larger by what rounding may have cut off.
-                let more = (mins.abs() + maxs.abs()) * f32::EPSILON + Vector::splat(f32::MIN_POSITIVE);
-                (i, Aabb::new(mins - more, maxs + more))
+                let more =
+                    (mins.abs() + maxs.abs()) * f32::EPSILON + Vector::splat(f32::MIN_POSITIVE);
+                (k, Aabb::new(mins - more, maxs + more))
             })
             .collect();
+        self.full = full;
         self.tree = Bvh::from_iter(BvhBuildStrategy::Binned, boxes);
     }
 
@@ -227,7 +261,7 @@ impl Grid {
     pub fn signed_distance(&self, p: DVec3) -> (f64, DVec3) {
         let scaled = p / self.cell;
         // Cells are numbered in 32 bits; what lies beyond is outside, and no number is nowhere.
-        if !(scaled.abs().max_element() < 1e9) {
+        if !scaled.abs().cmplt(DVec3::splat(MOST_CELLS)).all() {
             return (p.length(), primitive::direction(p, DVec3::Y).1);
         }
         let cell = scaled.floor().as_ivec3();
@@ -292,22 +326,26 @@ impl Grid {
                 let gap = (node.mins() - at).max(at - node.maxs()).max(Vector::ZERO);
                 gap.length() * (1.0 - 1e-6)
             },
-            |chunk, least| {
-                let way = self.nearest_in(chunk as usize, p, cell);
+            |leaf, least| {
+                let way = self.nearest_in(leaf as usize, p, cell);
                 let distance = way.square.sqrt() as f32;
                 (distance < least).then_some(distance)
             },
         );
-        if let Some((chunk, _)) = found {
-            let way = self.nearest_in(chunk as usize, p, cell);
+        if let Some((leaf, _)) = found {
+            let way = self.nearest_in(leaf as usize, p, cell);
             if way.square < best.square {
                 *best = way;
             }
         }
     }
 
-    fn nearest_in(&self, chunk: usize, p: DVec3, from: IVector) -> Way {
-        let Some(chunk) = self.chunks.get(chunk) else {
+    fn nearest_in(&self, leaf: usize, p: DVec3, from: IVector) -> Way {
+        let Some(chunk) = self
+            .full
+            .get(leaf)
+            .and_then(|&i| self.chunks.get(i as usize))
+        else {
             return Way::none();
         };
         let low = p - from.as_dvec3() * self.cell;
@@ -330,13 +368,18 @@ impl Grid {
         let (mut from, mut to) = (0.0_f64, 1.0_f64);
         for i in 0..3 {
             if path[i] != 0.0 {
-                let (s, t) = ((low[i] - start[i]) / path[i], (high[i] - start[i]) / path[i]);
+                let (s, t) = (
+                    (low[i] - start[i]) / path[i],
+                    (high[i] - start[i]) / path[i],
+                );
                 (from, to) = (from.max(s.min(t)), to.min(s.max(t)));
             } else if !(low[i] <= start[i] && start[i] <= high[i]) {
                 return None;
             }
         }
-        if !(from <= to && start.abs().max_element() < 1e9 && path.abs().max_element() < 1e9) {
+        let few = DVec3::splat(MOST_CELLS);
+        let countable = start.abs().cmplt(few).all() && path.abs().cmplt(few).all();
+        if from > to || !countable {
             return None;
         }
         // Start a little before the box, so that its own faces are crossed like any other.
@@ -365,7 +408,7 @@ impl Grid {
                     }
                 }
             }
-            if !(first <= 1.0) {
+            if first > 1.0 {
                 return None;
             }
             let side = path[axis].signum();
@@ -388,7 +431,7 @@ impl Grid {
             (hi / self.cell).floor().as_ivec3(),
         );
         let size = (last - first).as_dvec3() + DVec3::ONE;
-        if !(size.element_product() <= 1000.0) {
+        if size.element_product() > 1000.0 {
             return true;
         }
         let free = |near: u32, axis: IVector| near & bit(axis) == 0 || near & bit(-axis) == 0;
@@ -421,25 +464,32 @@ impl Way {
         }
     }
 
-    /// Looks at all 26 neighbours whose bits are set, those across a face first.
+    /// Looks at the neighbours whose bits are set: those across the three near faces, those between them, and the rest
+    /// only as long as they could be nearer.
     #[inline]
     fn try_neighbours(&mut self, wanted: u32, low: DVec3, high: DVec3) {
-        let mut left = wanted;
-        const FACES: u32 = 1 << 4 | 1 << 10 | 1 << 12 | 1 << 14 | 1 << 16 | 1 << 22;
-        for part in [FACES, !FACES] {
-            let mut bits = left & part;
-            left &= !part;
-            while bits != 0 {
-                let i = bits.trailing_zeros() as i32;
-                bits &= bits - 1;
-                let step = IVector::new(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
-                self.try_cell(step, low, high, DVec3::ZERO);
-            }
-            // Any other neighbour is farther than the nearest face.
-            let nearest = low.min(high).min_element();
-            if self.square <= nearest * nearest {
-                return;
-            }
+        let side = low.cmpge(high).bitmask() as usize;
+        let near = wanted & OCTANTS[side];
+        self.try_bits(near & FACES, low, high);
+        let nearest = low.min(high).min_element();
+        if self.square <= nearest * nearest {
+            return;
+        }
+        self.try_bits(near & !FACES, low, high);
+        let farther = low.max(high).min_element();
+        if self.square <= farther * farther {
+            return;
+        }
+        self.try_bits(wanted & !OCTANTS[side], low, high);
+    }
+
+    #[inline]
+    fn try_bits(&mut self, mut bits: u32, low: DVec3, high: DVec3) {
+        while bits != 0 {
+            let i = bits.trailing_zeros() as i32;
+            bits &= bits - 1;
+            let step = IVector::new(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+            self.try_cell(step, low, high, DVec3::ZERO);
         }
     }
 

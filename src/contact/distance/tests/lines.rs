@@ -34,7 +34,10 @@ fn fast_nodes_never_pass_through() {
             if let Some(first) = first {
                 hits += 1;
                 let (t, _) = cast.unwrap_or_else(|| panic!("{name} missed from {a} to {b}"));
-                assert!(t <= first + 1e-9, "{name} from {a} to {b}: {t}, inside at {first}");
+                assert!(
+                    t <= first + 1e-9,
+                    "{name} from {a} to {b}: {t}, inside at {first}"
+                );
             }
             if let Some((t, normal)) = cast {
                 let at = solid.signed_distance(a + (b - a) * t).0;
@@ -67,7 +70,11 @@ fn thin_solids_are_entered_where_they_begin() {
     let on = DVec3::new(0.1, f64::from(0.001_f32), 0.1);
     assert_eq!(plate.cast(on, on - DVec3::Y), Some((0.0, DVec3::Y)));
     assert_eq!(plate.cast(on, on + DVec3::Y), None);
-    let cells = Solid::of(&*SharedShape::voxels(Vector::ONE, &[rapier3d::math::IVector::ZERO])).unwrap();
+    let cells = Solid::of(&*SharedShape::voxels(
+        Vector::ONE,
+        &[rapier3d::math::IVector::ZERO],
+    ))
+    .unwrap();
     for axis in DVec3::AXES {
         let on = DVec3::splat(0.5) * (DVec3::ONE - axis);
         assert_eq!(cells.cast(on, on + axis * 3.0), Some((0.0, -axis)));
@@ -87,8 +94,14 @@ fn segments_come_nearest_where_sampling_says() {
             let b = a + random.vector() * 0.8;
             let (t, d, n) = solid.nearest_on_segment(a, b);
             let at = |t: f64| solid.signed_distance(a + (b - a) * t).0;
-            let least = (0..=200).map(|i| at(f64::from(i) / 200.0)).fold(f64::INFINITY, f64::min);
-            assert!(at(t) <= least + 1e-8, "{name} {a} {b}: {} at {t}, {least}", at(t));
+            let least = (0..=200)
+                .map(|i| at(f64::from(i) / 200.0))
+                .fold(f64::INFINITY, f64::min);
+            assert!(
+                at(t) <= least + 1e-8,
+                "{name} {a} {b}: {} at {t}, {least}",
+                at(t)
+            );
             assert!((n.length() - 1.0).abs() < 1e-9);
             if d > 1e-9 {
                 outside += 1;
@@ -134,19 +147,32 @@ fn supports_and_boxes_hold_the_surface() {
             let p = random.vector() * 2.0;
             let (d, n) = solid.signed_distance(p);
             let on = p - n * d;
-            assert!((on - lo).min_element() > -1e-6 && (hi - on).min_element() > -1e-6, "{name}");
+            assert!(
+                (on - lo).min_element() > -1e-6 && (hi - on).min_element() > -1e-6,
+                "{name}"
+            );
             if d > 0.0 {
                 let depth = solid.depth_along(p, n).unwrap();
-                assert!((depth + d).abs() < 1e-6, "{name} at {p}: {depth} against {d}");
+                assert!(
+                    (depth + d).abs() < 1e-6,
+                    "{name} at {p}: {depth} against {d}"
+                );
                 // The lowest feature towards p is the support.
                 features.clear();
                 solid.feature_points(-n, &mut features);
-                let far = features.iter().map(|f| f.dot(n)).fold(f64::NEG_INFINITY, f64::max);
+                let far = features
+                    .iter()
+                    .map(|f| f.dot(n))
+                    .fold(f64::NEG_INFINITY, f64::max);
                 let support = solid.support(n).unwrap().dot(n);
-                assert!((far - support).abs() < 1e-9, "{name} at {p}: {far} against {support}");
-                let probe = DVec3::splat(1e-3);
-                let around = solid.signed_distance(on - n * 0.01).1;
-                if (around - n).length() > 1e-2 && d > 0.01 {
+                assert!(
+                    (far - support).abs() < 1e-9,
+                    "{name} at {p}: {far} against {support}"
+                );
+                // Where the normal changes beside the foot, there is more than one flat face.
+                let beside = solid.signed_distance(p + random.vector() * 1e-4).1;
+                if (beside - n).length() > 1e-7 {
+                    let probe = DVec3::splat(1e-3);
                     assert!(solid.has_edges_in(on - probe, on + probe), "{name} at {on}");
                 }
             }

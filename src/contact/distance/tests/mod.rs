@@ -48,7 +48,11 @@ fn convex() -> Vec<(&'static str, SharedShape)> {
         ("thin cuboid", SharedShape::cuboid(0.5, 0.001, 0.8)),
         (
             "capsule",
-            SharedShape::capsule(Vector::new(-0.2, -0.4, 0.1), Vector::new(0.3, 0.5, 0.0), 0.25),
+            SharedShape::capsule(
+                Vector::new(-0.2, -0.4, 0.1),
+                Vector::new(0.3, 0.5, 0.0),
+                0.25,
+            ),
         ),
         ("thin capsule", SharedShape::capsule_x(0.4, 0.005)),
         ("cylinder", SharedShape::cylinder(0.5, 0.35)),
@@ -57,7 +61,10 @@ fn convex() -> Vec<(&'static str, SharedShape)> {
         ("octahedron", hull(&octahedron())),
         ("hull 60", hull(&pebble(60))),
         ("plate hull", hull(&plate())),
-        ("round cuboid", SharedShape::round_cuboid(0.4, 0.2, 0.6, 0.1)),
+        (
+            "round cuboid",
+            SharedShape::round_cuboid(0.4, 0.2, 0.6, 0.1),
+        ),
         ("round cylinder", SharedShape::round_cylinder(0.4, 0.3, 0.1)),
         ("round cone", SharedShape::round_cone(0.4, 0.3, 0.1)),
         ("round hull", round(&pebble(30))),
@@ -111,7 +118,10 @@ fn simple_shapes_agree_with_parry_where_it_is_right() {
                 continue;
             };
             let (d, n) = solid.signed_distance(p);
-            assert!((d - reference).abs() < 3e-6, "{name} at {p}: {d} against {reference}");
+            assert!(
+                (d - reference).abs() < 3e-6,
+                "{name} at {p}: {d} against {reference}"
+            );
             assert!((n.length() - 1.0).abs() < 1e-9);
         }
     }
@@ -155,7 +165,10 @@ fn a_thin_hull_has_an_inside() {
         let local = random.vector() * DVec3::new(0.6, 0.003, 0.5);
         let (d, n) = solid.signed_distance(turn * local);
         let (reference, normal) = super::primitive::cuboid(local, DVec3::new(0.5, 0.001, 0.4));
-        assert!((d - reference).abs() < 2e-7, "{local}: {d} against {reference}");
+        assert!(
+            (d - reference).abs() < 2e-7,
+            "{local}: {d} against {reference}"
+        );
         // Within a rounding of the surface the normal near an edge is anyone's.
         if d.abs() > 1e-5 && (d > 0.0 || d < -1e-5 && local.y.abs() > 1e-5) {
             assert!((n - turn * normal).length() < 0.05, "{local}: {n}");
@@ -188,7 +201,10 @@ fn normals_are_gradients() {
             if (gradient.length() - 1.0).abs() < 1e-4 {
                 smooth += 1;
                 let n = solid.signed_distance(p).1;
-                assert!((n - gradient).length() < 2e-2, "{name} at {p}: {n}, {gradient}");
+                assert!(
+                    (n - gradient).length() < 2e-2,
+                    "{name} at {p}: {n}, {gradient}"
+                );
             }
         }
         assert!(smooth > 9000, "{name}: only {smooth} smooth points");
@@ -217,8 +233,14 @@ fn the_normal_is_the_same_on_both_sides_of_the_surface() {
             seen += 1;
             for offset in [-1e-9, -1e-12, 0.0, 1e-12, 1e-9] {
                 let (distance, normal) = solid.signed_distance(on + n * offset);
-                assert!((distance - offset).abs() < 1e-12, "{name} at {on}: {distance}");
-                assert!((normal - n).length() < 1e-3, "{name} at {on} {offset}: {normal}, {n}");
+                assert!(
+                    (distance - offset).abs() < 1e-12,
+                    "{name} at {on}: {distance}"
+                );
+                assert!(
+                    (normal - n).length() < 1e-3,
+                    "{name} at {on} {offset}: {normal}, {n}"
+                );
             }
         }
         assert!(seen > 100, "{name}: {seen}");
@@ -260,7 +282,14 @@ fn far_from_voxels_and_deep_inside_them_there_is_an_answer() {
     let far = [IVector::ZERO, IVector::new(1_000_000, -1_000_000, 500_000)];
     let solid = Solid::of(&*SharedShape::voxels(Vector::ONE, &far)).unwrap();
     assert!((solid.signed_distance(DVec3::new(0.5, 3.0, 0.5)).0 - 2.0).abs() < 1e-9);
-    assert!((solid.signed_distance(DVec3::new(1e6 + 0.5, -1e6 - 0.25, 500_000.5)).0 - 0.25).abs() < 1e-9);
+    assert!(
+        (solid
+            .signed_distance(DVec3::new(1e6 + 0.5, -1e6 - 0.25, 500_000.5))
+            .0
+            - 0.25)
+            .abs()
+            < 1e-9
+    );
 }
 
 /// Two boxes side by side are one floor, an L has an inner edge: against all cells one by one.
@@ -312,7 +341,8 @@ fn hidden_parts_still_have_a_way_out() {
         assert_eq!(d < 0.0, ball.min(cuboid) < 0.0, "{p}: {d}");
         let end = p + n * (1e-5 - d);
         if d < 0.0 {
-            let out = (end.distance(DVec3::Y) - 0.5).min(super::primitive::cuboid(end, DVec3::ONE).0);
+            let out =
+                (end.distance(DVec3::Y) - 0.5).min(super::primitive::cuboid(end, DVec3::ONE).0);
             assert!(out > 0.0, "{p}: {d} along {n} ends {out} inside");
         }
     }
@@ -325,7 +355,11 @@ fn surfaces_are_no_solids() {
         (Pose::identity(), SharedShape::ball(1.0)),
         (Pose::identity(), triangle.clone()),
     ]);
-    for shape in [triangle, with_a_surface, SharedShape::segment(Vector::X, Vector::Y)] {
+    for shape in [
+        triangle,
+        with_a_surface,
+        SharedShape::segment(Vector::X, Vector::Y),
+    ] {
         assert!(Solid::of(&*shape).is_none());
         assert!(!Solid::takes(&*shape));
     }
@@ -346,10 +380,19 @@ fn shapes_without_extent_and_points_that_are_none_are_answered() {
     };
     let sheet = hull(&flat);
     assert_eq!(sheet.width(), 0.0);
-    assert_eq!(sheet.signed_distance(DVec3::new(0.4, 0.2, 0.3)), (0.2, DVec3::Y));
-    assert_eq!(sheet.signed_distance(DVec3::new(0.4, -0.2, 0.3)), (0.2, DVec3::NEG_Y));
+    assert_eq!(
+        sheet.signed_distance(DVec3::new(0.4, 0.2, 0.3)),
+        (0.2, DVec3::Y)
+    );
+    assert_eq!(
+        sheet.signed_distance(DVec3::new(0.4, -0.2, 0.3)),
+        (0.2, DVec3::NEG_Y)
+    );
     let beside = sheet.signed_distance(DVec3::new(-0.3, 0.0, 0.3));
-    assert!((beside.0 - 0.3).abs() < 1e-12 && beside.1 == DVec3::NEG_X, "{beside:?}");
+    assert!(
+        (beside.0 - 0.3).abs() < 1e-12 && (beside.1 - DVec3::NEG_X).length() < 1e-12,
+        "{beside:?}"
+    );
     assert_eq!(wide_points.len(), 4);
     let mut solids = vec![
         sheet,
@@ -373,9 +416,18 @@ fn shapes_without_extent_and_points_that_are_none_are_answered() {
     solids.extend(all.map(|(_, s)| Solid::of(&*s).unwrap()));
     solids.push(Solid::of(&*SharedShape::halfspace(Vector::Y)).unwrap());
     for solid in &solids {
-        for p in [DVec3::ZERO, DVec3::ONE, DVec3::Y, DVec3::splat(0.5), DVec3::NEG_Y] {
+        for p in [
+            DVec3::ZERO,
+            DVec3::ONE,
+            DVec3::Y,
+            DVec3::splat(0.5),
+            DVec3::NEG_Y,
+        ] {
             let (d, n) = solid.signed_distance(p);
-            assert!(d.is_finite() && (n.length() - 1.0).abs() < 1e-9, "{solid:?} at {p}: {d} {n}");
+            assert!(
+                d.is_finite() && (n.length() - 1.0).abs() < 1e-9,
+                "{solid:?} at {p}: {d} {n}"
+            );
         }
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
             let bads = [DVec3::splat(bad), DVec3::new(0.1, bad, 0.2)];

@@ -71,7 +71,10 @@ fn on_triangle(p: DVec3, a: DVec3, b: DVec3, c: DVec3) -> DVec3 {
     let n = (b - a).cross(c - a).normalize();
     let foot = p - n * (p - a).dot(n);
     let edges = [(a, b), (b, c), (c, a)];
-    if edges.iter().all(|&(s, e)| (e - s).cross(foot - s).dot(n) >= 0.0) {
+    if edges
+        .iter()
+        .all(|&(s, e)| (e - s).cross(foot - s).dot(n) >= 0.0)
+    {
         return foot;
     }
     let on_edges = edges.map(|(s, e)| {
@@ -116,7 +119,10 @@ pub fn distance_to_cells(all: &(Vec<IVector>, Vec<IVector>), cell: f64, p: DVec3
     let nearest = |list: &[IVector]| {
         let away = |c: &IVector| {
             let low = c.as_dvec3() * cell;
-            (low - p).max(p - low - DVec3::splat(cell)).max(DVec3::ZERO).length()
+            (low - p)
+                .max(p - low - DVec3::splat(cell))
+                .max(DVec3::ZERO)
+                .length()
         };
         list.iter().map(away).fold(f64::INFINITY, f64::min)
     };
