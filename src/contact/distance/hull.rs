@@ -2,6 +2,7 @@
 //! nearest point is searched from there: the distance is convex, so a walk over visible neighbours that always comes
 //! nearer ends at it, and near the surface it takes one or two steps.
 
+use super::planes::{Block, LANES, blocks, greatest};
 use super::primitive;
 use crate::math::DVec3;
 
@@ -21,29 +22,8 @@ pub struct Hull {
     width: f64,
 }
 
-const LANES: usize = 8;
-
 /// Edges, each counted from both sides, up to which all pairs are looked at once.
 const FEW_EDGES: usize = 80;
-
-#[derive(Debug)]
-struct Block {
-    x: [f64; LANES],
-    y: [f64; LANES],
-    z: [f64; LANES],
-    offset: [f64; LANES],
-}
-
-impl Block {
-    #[inline]
-    fn heights(&self, p: DVec3) -> [f64; LANES] {
-        let mut heights = [0.0; LANES];
-        for (i, height) in heights.iter_mut().enumerate() {
-            *height = self.x[i] * p.x + self.y[i] * p.y + self.z[i] * p.z - self.offset[i];
-        }
-        heights
-    }
-}
 
 #[derive(Clone, Copy, Debug)]
 struct Face {
@@ -113,7 +93,7 @@ impl Hull {
             }
         }
         let mut hull = Self {
-            blocks: blocks(&faces),
+            blocks: blocks(faces.iter().map(|f| (f.normal, f.offset))),
             faces,
             corners,
             vertices,
@@ -352,19 +332,6 @@ impl Hull {
     }
 }
 
-/// In a tree, which does not wait for one comparison after the other.
-#[inline]
-fn greatest(h: &[f64; LANES]) -> f64 {
-    let of = |a: f64, b: f64| if a > b { a } else { b };
-    let four = [
-        of(h[0], h[4]),
-        of(h[1], h[5]),
-        of(h[2], h[6]),
-        of(h[3], h[7]),
-    ];
-    of(of(four[0], four[2]), of(four[1], four[3]))
-}
-
 impl Face {
     /// The index of the corner after `c`.
     #[inline]
@@ -393,26 +360,4 @@ fn face(points: &[DVec3], list: &[u32], first: u32) -> Face {
         first,
         end: first + list.len() as u32,
     }
-}
-
-/// Planes in blocks, the last filled up with planes that nothing is above.
-fn blocks(faces: &[Face]) -> Vec<Block> {
-    let mut blocks: Vec<Block> = Vec::new();
-    for (i, face) in faces.iter().enumerate() {
-        if i % LANES == 0 {
-            blocks.push(Block {
-                x: [0.0; LANES],
-                y: [0.0; LANES],
-                z: [0.0; LANES],
-                offset: [f64::MAX; LANES],
-            });
-        }
-        if let Some(block) = blocks.last_mut() {
-            block.x[i % LANES] = face.normal.x;
-            block.y[i % LANES] = face.normal.y;
-            block.z[i % LANES] = face.normal.z;
-            block.offset[i % LANES] = face.offset;
-        }
-    }
-    blocks
 }

@@ -13,11 +13,13 @@ mod compound;
 mod edges;
 mod hull;
 mod line;
+mod planes;
 mod primitive;
 mod quickhull;
 #[cfg(test)]
 mod tests;
 mod voxels;
+mod way;
 
 pub use cache::Solids;
 
