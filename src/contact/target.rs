@@ -1,6 +1,6 @@
 //! Which colliders a deformable may touch, by Rapier's own rules, and how they are seen.
 
-use super::distance::Primitive;
+use super::distance::Solid;
 use crate::math::{DMat3, DQuat, DVec3, Real, Rotation};
 use crate::solve::shadow::Shadow;
 use rapier3d::dynamics::{CoefficientCombineRule, RigidBody, RigidBodyHandle, RigidBodySet};
@@ -41,7 +41,7 @@ impl Default for Surface {
 }
 
 /// A collider that a deformable may touch in this step.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Target {
     /// The collider.
     pub collider: ColliderHandle,
@@ -50,7 +50,7 @@ pub struct Target {
     /// Index of its shadow in the group.
     pub shadow: u32,
     /// Its shape.
-    pub shape: Primitive,
+    pub shape: Solid,
     /// Where its frame stands relative to the shadow: offset from the centre of mass, rotation.
     pub offset: DVec3,
     /// Rotation of the collider relative to its body.
@@ -149,7 +149,7 @@ pub fn target(
     bodies: &RigidBodySet,
     surface: &Surface,
 ) -> Option<Target> {
-    let shape = Primitive::of(collider.shape())?;
+    let shape = Solid::of(collider.shape())?;
     let parent = collider.parent().and_then(|h| bodies.get(h));
     // A collider's own pose is stale after its body was teleported: its pose relative to the body is not.
     let (offset, turn) = match (parent, collider.position_wrt_parent()) {
