@@ -10,6 +10,7 @@ pub mod net;
 pub mod shape;
 pub mod state;
 pub mod surface;
+pub mod topology;
 
 pub use blueprint::Blueprint;
 pub use error::BuildError;
@@ -18,3 +19,4 @@ pub use material::Material;
 pub use net::{Binding, Net, Node, Skin, Spring};
 pub use state::State;
 pub use surface::{Group, Surface};
+pub use topology::Topology;

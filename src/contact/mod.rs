@@ -3,4 +3,9 @@
 
 pub mod candidates;
 pub mod distance;
+pub mod feature;
+pub mod form;
+pub mod nodes;
+pub mod site;
 pub mod target;
+pub mod touches;

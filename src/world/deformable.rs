@@ -2,7 +2,7 @@
 
 use super::motion::Start;
 use super::params::{DeformableParameters, Substeps};
-use crate::body::{Blueprint, NodeId, SpringId, State};
+use crate::body::{Blueprint, NodeId, SpringId, State, Topology};
 use crate::contact::target::Surface;
 use crate::math::{DVec3, Real, Vector, narrow};
 use crate::solve::external::ForceField;
@@ -17,6 +17,7 @@ pub struct Deformable {
     pub(super) state: State<Real>,
     pub(super) solver: Solver<Real>,
     pub(super) surface: Surface,
+    pub(super) topology: Arc<Topology>,
     pub(super) gravity_scale: Real,
     pub(super) integrator: Option<Integrator>,
     pub(super) substeps: Option<Substeps>,

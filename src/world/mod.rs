@@ -31,6 +31,7 @@ pub use report::StepReport;
 
 use crate::body::BuildError;
 use crate::contact::candidates::Candidates;
+use crate::contact::form::Forms;
 use crate::coupling::attach::Attachment;
 use crate::coupling::memory::BodyMemory;
 use crate::math::Vector;
@@ -82,6 +83,8 @@ pub struct DeformableWorld {
     memory: BTreeMap<BodyKey, BodyMemory>,
     /// What each deformable touched of each collider in the last step.
     contacts: BTreeMap<((u32, u32), BodyKey), Candidates>,
+    /// The shapes met so far, as contact sees them.
+    forms: Forms,
     waiting: Vec<Waiting>,
     report: StepReport,
     time: f64,

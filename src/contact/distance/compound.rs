@@ -8,7 +8,7 @@ use crate::math::{DMat3, DQuat, DVec3, wide};
 use rapier3d::parry::shape;
 
 /// Parts in one frame.
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 pub struct Compound {
     parts: Vec<Part>,
     lo: DVec3,
@@ -17,7 +17,7 @@ pub struct Compound {
     seam: f64,
 }
 
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 struct Part {
     solid: Solid,
     position: DVec3,

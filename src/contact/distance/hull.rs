@@ -7,7 +7,7 @@ use super::primitive;
 use crate::math::DVec3;
 
 /// Faces, their planes, and the corners they share.
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 pub struct Hull {
     /// Planes in blocks of eight, so that a compiler makes vectors of them.
     blocks: Vec<Block>,
@@ -25,7 +25,7 @@ pub struct Hull {
 /// Edges, each counted from both sides, up to which all pairs are looked at once.
 const FEW_EDGES: usize = 80;
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Face {
     normal: DVec3,
     offset: f64,
@@ -35,7 +35,7 @@ struct Face {
 }
 
 /// A corner of one face, and the edge from it to the next.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Corner {
     /// On the plane of the face to the last bit, so that a nearest point on it never lies above.
     point: DVec3,

@@ -19,6 +19,15 @@ impl Solid {
         }
     }
 
+    /// The least signed distance of a point that moves from `a` to `b`, or a bound from below \[m\].
+    pub fn nearest_on_path(&self, a: DVec3, b: DVec3) -> f64 {
+        match &self.core {
+            Core::Compound(_) | Core::Voxels(_) if self.cast(a, b).is_some() => 0.0,
+            Core::Compound(_) | Core::Voxels(_) => self.signed_distance(b).0,
+            _ => self.nearest_on_segment(a, b).1,
+        }
+    }
+
     /// Where on the segment `a`–`b` \[m\] the signed distance to a convex solid is least: the part t of the way, that
     /// distance \[m\] and the outward unit normal. Between the ends the normal is perpendicular to the segment, so across an
     /// edge of the solid it is perpendicular to both, and the distance of a segment that has entered is measured along

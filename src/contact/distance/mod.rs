@@ -8,7 +8,6 @@
 //! A convex solid is a core grown by a radius: a ball is a grown point, a capsule a grown segment, and parry's round shapes
 //! are its sharp ones grown. So there is one closed form per core, and every query is written once.
 
-mod cache;
 mod compound;
 mod edges;
 mod hull;
@@ -21,8 +20,6 @@ mod tests;
 mod voxels;
 mod way;
 
-pub use cache::Solids;
-
 use crate::math::{DQuat, DVec3, wide};
 use compound::Compound;
 use hull::Hull;
@@ -32,7 +29,7 @@ use std::sync::Arc;
 use voxels::Grid;
 
 /// A collider shape with an inside. Cheap to clone: what is large is shared.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Solid {
     core: Core,
     /// By how much the core is grown \[m\].
@@ -40,7 +37,7 @@ pub struct Solid {
 }
 
 /// What a solid is before it is grown. Lengths in m.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 enum Core {
     /// The origin.
     Point,
@@ -223,6 +220,11 @@ impl Solid {
         };
         // The edges of a grown core have the radius it was grown by.
         if self.radius > 0.0 { self.radius } else { core }
+    }
+
+    /// Radius of its roundest edges \[m\]: what the core was grown by, 0 for sharp ones.
+    pub fn edge_radius(&self) -> f64 {
+        self.radius
     }
 
     /// Itself, or the parts of a compound with their positions \[m\] and rotations in its frame. Voxels have none: their

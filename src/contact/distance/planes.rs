@@ -6,7 +6,7 @@ use crate::math::DVec3;
 pub const LANES: usize = 8;
 
 /// Normals and offsets of planes, one lane each.
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 pub struct Block {
     x: [f64; LANES],
     y: [f64; LANES],

@@ -27,6 +27,7 @@ pub struct Grid {
     hi: DVec3,
 }
 
+#[derive(PartialEq)]
 struct Chunk {
     key: IVector,
     /// Bit x + 3y + 9z (0 to 2 each) for the neighbour at −1, 0, 1; bit 13 is the cell itself.
@@ -39,6 +40,12 @@ const LARGEST_INDEX: i64 = 1 << 22;
 const MOST_CELLS: f64 = 1e9;
 /// Rings of cells within which the nearest empty one is looked for.
 const DEEPEST: i32 = 6;
+
+impl PartialEq for Grid {
+    fn eq(&self, other: &Self) -> bool {
+        self.cell == other.cell && self.chunks == other.chunks
+    }
+}
 
 impl std::fmt::Debug for Grid {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
