@@ -3,4 +3,5 @@
 
 pub mod candidates;
 pub mod distance;
+pub mod soup;
 pub mod target;
