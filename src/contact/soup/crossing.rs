@@ -1,6 +1,6 @@
 //! Where a straight way meets a facet: through it, or into the layer around it.
 
-use super::facet::{Patch, on_side};
+use super::facet::{Patch, on_side, per};
 use crate::math::DVec3;
 
 /// Ways this close to a side count as through it, for both neighbours \[m\].
@@ -113,7 +113,7 @@ fn into_capsule(from: DVec3, way: DVec3, a: DVec3, ab: DVec3, radius: f64) -> Op
         return None;
     }
     let x = from + way * first;
-    let normal = (x - on_side(a, ab, x).point).try_normalize()?;
+    let normal = (x - on_side(a, ab, per(length2), x).point).try_normalize()?;
     Some((first, normal))
 }
 

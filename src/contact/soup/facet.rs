@@ -50,6 +50,8 @@ pub struct Patch {
     pub size: f64,
     /// ab·ab, ab·ac and ac·ac, over the square of twice the area.
     metric: [f64; 3],
+    /// 1 over the squares of ab, bc and ca.
+    per_side2: [f64; 3],
 }
 
 /// The point of a facet nearest to a given one.
@@ -89,6 +91,7 @@ impl Patch {
                 normal: cross / twice_area,
                 size: longest.sqrt(),
                 metric: [sides[0] * scale, ab.dot(ac) * scale, sides[2] * scale],
+                per_side2: sides.map(per),
             };
         }
         if sides[0] == longest {
@@ -109,6 +112,7 @@ impl Patch {
             normal: DVec3::ZERO,
             size: (b - a).length(),
             metric: [0.0; 3],
+            per_side2: [per((b - a).length_squared()); 3],
         }
     }
 
@@ -139,7 +143,7 @@ impl Patch {
     pub fn foot(&self, p: DVec3) -> Foot {
         let ap = p - self.a;
         if self.is_line() {
-            return on_side(self.a, self.ab, p);
+            return on_side(self.a, self.ab, self.per_side2[0], p);
         }
         // Barycentric coordinates of the projection.
         let (d1, d2) = (self.ab.dot(ap), self.ac.dot(ap));
@@ -164,29 +168,34 @@ impl Patch {
             point: self.a,
             face: false,
         };
-        let mut try_side = |a: DVec3, ab: DVec3| {
-            let foot = on_side(a, ab, p);
+        let mut try_side = |a: DVec3, ab: DVec3, per: f64| {
+            let foot = on_side(a, ab, per, p);
             if foot.distance2 < best.distance2 {
                 best = foot;
             }
         };
         if w < 0.0 {
-            try_side(self.a, self.ab);
+            try_side(self.a, self.ab, self.per_side2[0]);
         }
         if v < 0.0 {
-            try_side(self.a, self.ac);
+            try_side(self.a, self.ac, self.per_side2[2]);
         }
         if u < 0.0 {
-            try_side(self.a + self.ab, self.ac - self.ab);
+            try_side(self.a + self.ab, self.ac - self.ab, self.per_side2[1]);
         }
         best
     }
 }
 
-/// The nearest point of the segment from `a` along `ab`.
+/// The inverse of a squared length, finite for none.
+pub fn per(length2: f64) -> f64 {
+    1.0 / length2.max(f64::MIN_POSITIVE)
+}
+
+/// The nearest point of the segment from `a` along `ab`, of which 1 over the squared length is `per`.
 #[inline]
-pub fn on_side(a: DVec3, ab: DVec3, p: DVec3) -> Foot {
-    let t = (p - a).dot(ab) / ab.length_squared().max(f64::MIN_POSITIVE);
+pub fn on_side(a: DVec3, ab: DVec3, per: f64, p: DVec3) -> Foot {
+    let t = (p - a).dot(ab) * per;
     let point = a + ab * t.clamp(0.0, 1.0);
     Foot {
         distance2: p.distance_squared(point),

@@ -83,14 +83,15 @@ pub fn touches(
     } else {
         DVec3::ZERO
     };
-    let stand = Stand::of(&near, p, remembered.filter(|a| a.is_finite()), &nearest);
+    let anchor = remembered.filter(|a| a.is_finite());
+    let mut planes = Planes::default();
+    let stand = Stand::of(&near, p, anchor, &nearest, &mut planes);
     out.anchor = Some(stand.legit);
     let way = motion.length();
-    if stand.through.as_slice().is_empty() && nearest.distance > offset + reach.max(way) {
+    if stand.nearest.is_some() && nearest.distance > offset + reach.max(way) {
         return;
     }
-    let mut planes = stand.through;
-    for plane in stand.through.as_slice() {
+    for plane in planes.as_slice() {
         out.push(offset - plane.height(p), plane.normal);
     }
     let mut waiting = None;
@@ -124,23 +125,26 @@ pub fn touches(
 struct Stand {
     /// A point on the right side, the node itself if it is clear of all surfaces.
     legit: DVec3,
-    /// The planes it has been pushed through.
-    through: Planes,
     /// The plane that touches the nearest point, if it has been pushed through none.
     nearest: Option<Plane>,
 }
 
 impl Stand {
-    fn of(near: &Near, p: DVec3, anchor: Option<DVec3>, nearest: &Nearest) -> Self {
-        let mut through = Planes::default();
+    /// Finds it, and adds to `through` the planes the node has been pushed through.
+    fn of(
+        near: &Near,
+        p: DVec3,
+        anchor: Option<DVec3>,
+        nearest: &Nearest,
+        through: &mut Planes,
+    ) -> Self {
         if let Some(anchor) = anchor
             && p.distance_squared(anchor) >= nearest.distance * nearest.distance
         {
-            let legit = slide(near, anchor, p, 0.0, &mut through);
+            let legit = slide(near, anchor, p, 0.0, through);
             if !through.as_slice().is_empty() {
                 return Self {
                     legit,
-                    through,
                     nearest: None,
                 };
             }
@@ -153,7 +157,6 @@ impl Stand {
             through.push(Plane { point, normal });
             return Self {
                 legit: point + normal * LIFT,
-                through,
                 nearest: None,
             };
         }
@@ -177,7 +180,6 @@ impl Stand {
         }
         Self {
             legit,
-            through,
             nearest: Some(Plane { point, normal }),
         }
     }

@@ -152,6 +152,9 @@ fn resting_on_a_ridge_and_in_a_valley() {
         probe.p.y += 0.5 * probe.p.x;
         for _ in 0..4000 {
             probe.step(&soup, DVec3::Y * -9.81, 5e-4);
+            if probe.p.x.abs() > 0.9 {
+                break;
+            }
             let gap = probe.p.y + 0.5 * f64::from(sign) * probe.p.x.abs();
             assert!(gap > -1e-6, "{sign}: {gap} at {}", probe.p);
         }
