@@ -5,6 +5,7 @@ mod bitwise;
 mod forces;
 mod handles;
 mod kinematic;
+mod queries;
 mod rigid;
 mod sleep;
 mod state;
