@@ -10,8 +10,9 @@
 //! [`line_radius`](DeformableFilter::line_radius).
 //!
 //! **Cost.** The first question about a body after it moved looks at every node once; the first one that reaches into its
-//! bounds fits a bounding volume tree to it, which costs about as much as a substep. Every later one is logarithmic in the
-//! number of faces, plus one look at the bounds of every body.
+//! bounds fits a bounding volume tree to it. Every later one is logarithmic in the number of faces, plus one look at the
+//! bounds of every body. For a body of 97,200 faces on one core: 0.2 s to build the tree once, 30 ms to fit it after a
+//! step, 6 µs for a ray or a point.
 
 mod hit;
 mod overlap;
@@ -142,25 +143,20 @@ impl Deformable {
 
     /// Where a point of the surface is now \[m\]; `None` if it names a node that the body does not have.
     pub fn world_point(&self, at: &SurfacePoint) -> Option<DVec3> {
-        self.blended(at, |node| self.position(node))
+        // About the body's origin: the weights are f32, and their sum is 1 only to its precision.
+        self.blended(at, |i| self.state.local(i))
+            .map(|local| self.state.origin + local)
     }
 
     /// How fast a point of the surface moves \[m/s\]; `None` if it names a node that the body does not have.
     pub fn velocity_at(&self, at: &SurfacePoint) -> Option<DVec3> {
-        self.blended(at, |node| self.linvel_of(node))
+        self.blended(at, |i| self.state.velocity(i))
     }
 
-    fn blended(
-        &self,
-        at: &SurfacePoint,
-        value: impl Fn(crate::body::NodeId) -> Option<DVec3>,
-    ) -> Option<DVec3> {
-        at.nodes
-            .iter()
-            .zip(at.weights)
-            .try_fold(DVec3::ZERO, |sum, (node, weight)| {
-                Some(sum + value(*node)? * f64::from(weight))
-            })
+    fn blended(&self, at: &SurfacePoint, value: impl Fn(usize) -> DVec3) -> Option<DVec3> {
+        let known = at.nodes.iter().all(|n| n.index() < self.node_count());
+        let terms = || at.nodes.iter().zip(at.weights);
+        known.then(|| terms().map(|(n, w)| value(n.index()) * f64::from(w)).sum())
     }
 
     /// Adds to the force that acts on a point of the surface during the coming step only \[N\], shared among its nodes.

@@ -2,11 +2,13 @@
 
 mod attach;
 mod bitwise;
+mod debug;
 mod forces;
 mod handles;
 mod kinematic;
 mod queries;
 mod rigid;
+mod settings;
 mod sleep;
 mod state;
 mod time;
