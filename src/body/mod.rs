@@ -2,11 +2,13 @@
 //! solver writes.
 
 pub mod blueprint;
+mod border;
 mod crossing;
 pub mod error;
 pub mod id;
 pub mod material;
 pub mod net;
+pub mod search;
 pub mod shape;
 pub mod state;
 pub mod surface;
@@ -17,6 +19,7 @@ pub use error::BuildError;
 pub use id::{NodeId, SpringId};
 pub use material::Material;
 pub use net::{Binding, Net, Node, Skin, Spring};
+pub use search::{Feature, SurfacePoint};
 pub use state::State;
 pub use surface::{Group, Surface};
 pub use topology::Topology;

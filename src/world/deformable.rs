@@ -2,6 +2,7 @@
 
 use super::motion::Start;
 use super::params::{DeformableParameters, Substeps};
+use crate::body::search::tree::Cache;
 use crate::body::{Blueprint, NodeId, SpringId, State, Topology};
 use crate::contact::target::Surface;
 use crate::math::{DVec3, Real, Vector, narrow};
@@ -43,6 +44,8 @@ pub struct Deformable {
     /// The work done until then.
     pub(super) work_backup: Work,
     pub(super) h: f64,
+    /// What queries remember until the nodes move.
+    pub(super) cache: Cache,
     /// Anything the user wants to keep with the body.
     pub user_data: u128,
 }

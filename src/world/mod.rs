@@ -3,6 +3,9 @@
 mod attachment;
 mod budget;
 mod builder;
+mod debug;
+#[cfg(feature = "debug-render")]
+mod debug_backend;
 mod deformable;
 mod edit;
 mod energies;
@@ -12,14 +15,17 @@ mod motion;
 mod observer;
 mod params;
 mod parts;
+mod query;
 mod reach;
 mod report;
+mod settings;
 mod sleep;
 mod step;
 mod substep;
 
 pub use attachment::AttachError;
 pub use builder::{DeformableBuilder, IntoDeformable, IntoNet};
+pub use debug::{DebugStyle, rgba};
 pub use deformable::Deformable;
 pub use energies::Energies;
 pub use observer::{
@@ -27,6 +33,9 @@ pub use observer::{
 };
 pub use params::{DeformableParameters, Substeps};
 pub use parts::RapierParts;
+pub use query::{
+    DeformableFilter, DeformableOverlap, DeformableProjection, DeformableRayHit, RayHit,
+};
 pub use report::StepReport;
 
 use crate::body::BuildError;
