@@ -7,7 +7,7 @@
 //! friction took hold of it.
 
 use super::feature::Features;
-use super::form::address;
+use super::form::{Form, address};
 use super::nodes::Nodes;
 use super::site::Site;
 use super::target::{Frame, Target};
@@ -33,10 +33,12 @@ pub struct Candidates {
 }
 
 impl Candidates {
-    /// Lists to be filled at first use.
-    pub fn new(target: Target, pair: u32) -> Self {
+    /// Lists to be filled at first use, for a body of this spacing \[m\].
+    pub fn new(target: Target, pair: u32, spacing: f64) -> Self {
         Self {
-            features: None,
+            features: match &target.form {
+                Form::Solid(solid) => Features::of(solid, spacing),
+            },
             target,
             pair,
             nodes: Nodes::default(),

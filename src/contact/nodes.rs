@@ -97,7 +97,7 @@ impl Nodes {
                 (depth, normal) = (target.skin + back, before);
             }
             let hold = last.and_then(|(_, hold)| hold).unwrap_or(Hold {
-                weights: [1.0, 0.0, 0.0],
+                weights: [1.0, 0.0, 0.0, 0.0],
                 anchor: place,
             });
             self.touches

@@ -15,6 +15,8 @@ struct Touch {
     row: u32,
     normal: DVec3,
     hold: Option<Hold>,
+    /// What the row ended with \[N·s\], in the world.
+    impulse: (f64, DVec3),
 }
 
 /// Where friction took hold of a point: of what material point of the deformable, by the weights of its nodes, and where on
@@ -22,7 +24,7 @@ struct Touch {
 #[derive(Clone, Copy, Debug)]
 pub struct Hold {
     /// Weights of the nodes.
-    pub weights: [f64; 3],
+    pub weights: [f64; 4],
     /// Where that point was, in the collider's frame.
     pub anchor: DVec3,
 }
@@ -56,6 +58,25 @@ impl Touches {
         Some((touch.normal, touch.hold))
     }
 
+    /// What the row of this point ended with last \[N·s\].
+    pub fn impulse(&self, key: Key) -> (f64, DVec3) {
+        let i = self.kept.binary_search_by_key(&key, |t| t.key);
+        i.map_or(Default::default(), |i| self.kept[i].impulse)
+    }
+
+    /// Whether this point touched last.
+    pub fn touched(&self, key: Key) -> bool {
+        self.kept.binary_search_by_key(&key, |t| t.key).is_ok()
+    }
+
+    /// Whether any point whose key begins like this touched last.
+    pub fn knows(&self, [first, second]: [u32; 2]) -> bool {
+        let i = self.kept.partition_point(|t| t.key < [first, second, 0]);
+        self.kept
+            .get(i)
+            .is_some_and(|t| t.key[0] == first && t.key[1] == second)
+    }
+
     /// A point has got a row; `hold` is where friction may take hold of it, or does.
     pub fn found(&mut self, key: Key, row: usize, normal: DVec3, hold: Hold) {
         self.next.push(Touch {
@@ -63,6 +84,7 @@ impl Touches {
             row: row as u32,
             normal,
             hold: Some(hold),
+            impulse: Default::default(),
         });
     }
 
@@ -76,6 +98,7 @@ impl Touches {
             if pressed || row.depth >= -touching {
                 self.kept.push(Touch {
                     hold: touch.hold.filter(|_| !pressed || row.sticks()),
+                    impulse: (row.normal_impulse, row.friction_impulse),
                     ..*touch
                 });
             }

@@ -1,8 +1,10 @@
 //! Rows: contacts and ties of one substep, solved together by sequential impulses.
 //!
-//! Contact and coupling only fill rows; this pass knows nodes, shadows and numbers. Impulses are accumulated from zero in
-//! every substep (a warm start would keep squeezed bodies awake for ever) in a fixed order, reversed in every other
-//! pass, so that the bias of one order does not add up to a spin. Nodes appear once, however many rows they have.
+//! Contact and coupling only fill rows; this pass knows nodes, shadows and numbers. Impulses on single nodes are
+//! accumulated from zero in every substep (a warm start would keep squeezed bodies awake for ever); rows that share nodes
+//! start from their last impulses, or four passes would leave a light node in a heavy grip trembling. The order is fixed,
+//! and reversed in every other pass, so that the bias of one order does not add up to a spin. Nodes appear once, however
+//! many rows they have.
 
 use super::shadow::Shadow;
 use crate::law::row::{allowed_velocity, friction_impulse, normal_impulse};
@@ -175,8 +177,21 @@ impl Rows {
             contacts,
             ties,
         } = self;
-        let mut points = Points { nodes, terms };
-        for pass in 0..passes {
+        let mut points = Points {
+            nodes,
+            terms,
+            tolerance: 0.0,
+        };
+        for row in contacts.iter().filter(|r| r.normal_impulse > 0.0) {
+            let j = row.impulse();
+            points.push(row.terms, j);
+            shadows[row.shadow as usize].push(row.arm, -j * row.rigid_share);
+        }
+        // Rows that share nodes take more passes when a blow finds them unprepared.
+        let shared = contacts.iter().any(|row| row.terms.count > 1);
+        let most = if shared { 4 * passes } else { passes };
+        for pass in 0..most {
+            points.tolerance = if pass < passes { 1e-9 } else { 1e-3 };
             let changed = if reversed == (pass % 2 == 0) {
                 points.solve_contacts(contacts.iter_mut().rev(), shadows, h)
                     | points.solve_ties(ties.iter_mut().rev(), shadows)
@@ -204,7 +219,11 @@ impl Rows {
             contacts,
             ties,
         } = self;
-        let points = Points { nodes, terms };
+        let points = Points {
+            nodes,
+            terms,
+            tolerance: 0.0,
+        };
         for row in contacts {
             let rigid = shadows[row.shadow as usize].response(row.arm, row.normal);
             let k = points.response(row.terms) + row.rigid_share * rigid + row.softness;
@@ -229,18 +248,19 @@ fn book(shadow: &mut Shadow, arm: DVec3, j: DVec3) {
     shadow.torque -= arm.cross(j);
 }
 
-/// Whether an impulse has changed by more than rounding.
-fn differs(change: f64, total: f64) -> bool {
-    change.abs() > 1e-9 * total.abs()
-}
-
 /// The points that rows act on.
 struct Points<'a> {
     nodes: &'a mut [RowNode],
     terms: &'a [Term],
+    /// Relative change of an impulse below which it counts as settled.
+    tolerance: f64,
 }
 
 impl Points<'_> {
+    fn differs(&self, change: f64, total: f64) -> bool {
+        change.abs() > self.tolerance * total.abs()
+    }
+
     #[inline(always)]
     fn velocity(&self, terms: Terms) -> DVec3 {
         let mut v = DVec3::ZERO;
@@ -282,7 +302,7 @@ impl Points<'_> {
             let speed = relative.dot(row.normal) + row.softness * row.normal_impulse;
             let jn = normal_impulse(row.normal_impulse, allowed, speed, row.mass);
             let along = row.normal * (jn - row.normal_impulse);
-            changed |= differs(jn - row.normal_impulse, jn);
+            changed |= self.differs(jn - row.normal_impulse, jn);
             row.normal_impulse = jn;
             self.push(row.terms, along);
             shadow.push(row.arm, -along * row.rigid_share);
@@ -297,7 +317,7 @@ impl Points<'_> {
                     let mass = if k > 0.0 { 1.0 / k } else { 0.0 };
                     let jt = friction_impulse(row.friction_impulse, slip, mass, row.friction * jn);
                     let change = jt - row.friction_impulse;
-                    changed |= differs(change.length(), jn);
+                    changed |= self.differs(change.length(), jn);
                     row.friction_impulse = jt;
                     self.push(row.terms, change);
                     shadow.push(row.arm, -change * row.rigid_share);
@@ -318,7 +338,7 @@ impl Points<'_> {
             let wanted = shadow.velocity_at(tie.arm) + tie.bias - tie.impulse * tie.softness;
             let change = tie.mass * (wanted - self.velocity(tie.terms));
             tie.impulse += change;
-            changed |= differs(change.length(), tie.impulse.length());
+            changed |= self.differs(change.length(), tie.impulse.length());
             self.push(tie.terms, change);
             shadow.push(tie.arm, -change);
         }

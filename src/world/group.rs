@@ -83,7 +83,7 @@ impl DeformableWorld {
                 continue;
             };
             let member = group.members.len();
-            let edits = body.edits;
+            let (edits, spacing) = (body.edits, body.topology.spacing);
             group.members.push((reach.handle, body));
             let mut candidates = Vec::new();
             for mut target in reach.targets {
@@ -91,7 +91,7 @@ impl DeformableWorld {
                 let pair = group.add_pair(member, target.collider);
                 let key = (reach.handle.key(), target.collider.into_raw_parts());
                 candidates.push(match kept.remove(&key) {
-                    None => Candidates::new(target, pair),
+                    None => Candidates::new(target, pair, spacing),
                     Some(mut c) => {
                         let shadow = &group.shadows[target.shadow as usize];
                         c.resume(target, pair, shadow, edits, far);

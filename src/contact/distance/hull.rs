@@ -141,6 +141,22 @@ impl Hull {
         &self.vertices
     }
 
+    /// Every edge once: its ends \[m\] and the outward unit normals of its faces.
+    pub fn for_each_edge(&self, f: &mut dyn FnMut([DVec3; 2], [DVec3; 2])) {
+        for (i, face) in (0..).zip(&self.faces) {
+            for c in face.first..face.end {
+                let corner = &self.corners[c as usize];
+                if corner.across > i {
+                    let ends = [corner.point, self.corners[face.after(c)].point];
+                    f(
+                        ends,
+                        [face.normal, self.faces[corner.across as usize].normal],
+                    );
+                }
+            }
+        }
+    }
+
     /// Smallest extent \[m\].
     pub fn width(&self) -> f64 {
         self.width

@@ -9,6 +9,7 @@
 //! are its sharp ones grown. So there is one closed form per core, and every query is written once.
 
 mod compound;
+mod crossing;
 mod edges;
 mod hull;
 mod line;
@@ -22,6 +23,7 @@ mod way;
 
 use crate::math::{DQuat, DVec3, wide};
 use compound::Compound;
+pub use crossing::Crossing;
 use hull::Hull;
 use quickhull::Outline;
 use rapier3d::geometry::{Shape, TypedShape};
