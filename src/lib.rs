@@ -34,7 +34,7 @@ pub mod prelude {
     pub use crate::shape::{filled, lattice, rope, sheet};
     pub use crate::solve::Integrator;
     pub use crate::world::{
-        AttachmentHandle, Deformable, DeformableBuilder, DeformableHandle, DeformableParameters,
+        AttachTo, Attachment, AttachmentHandle, Deformable, DeformableBuilder, DeformableHandle, DeformableParameters,
         DeformableWorld, Observer, RapierParts, SpringEvent, SpringEventKind, Substep, Substeps,
     };
 }
