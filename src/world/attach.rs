@@ -174,8 +174,9 @@ impl DeformableWorld {
     }
 
     /// Brings held points to where Rapier's own step has left their rigid bodies, which shadows know only to the extent that
-    /// joints and contacts answered as they did before. Positions alone, booked as `push_out`. The rate is unlimited: what
-    /// was moved from outside is not touched here.
+    /// joints and contacts answered as they did before. Positions alone: it completes the way over which the attachment has
+    /// worked, so it is booked as work received from the body. The rate is unlimited; what was moved from outside is not
+    /// touched here.
     pub(super) fn follow_rigid_bodies(&mut self, parts: &RapierParts) {
         for (_, bond) in self.attachments.iter() {
             let rigid = bond.body().and_then(|b| parts.bodies.get(b));
@@ -203,7 +204,8 @@ impl DeformableWorld {
 }
 
 impl Deformable {
-    /// Moves each point by minus its error as an impulse would, and books what that does to the energies.
+    /// Moves each point by minus its error as an impulse would, and books what that does to the energies as work of the rigid
+    /// body.
     fn shift_points(&mut self, points: &[Point], errors: &[DVec3]) {
         let balance = self.energies().balance();
         for (point, error) in points.iter().zip(errors) {
@@ -222,7 +224,7 @@ impl Deformable {
                 self.state.displace(node, by.as_vec3().to_array());
             }
         }
-        self.solver.work.push_out += self.energies().balance() - balance;
+        self.solver.work.rigid += self.energies().balance() - balance;
     }
 }
 
