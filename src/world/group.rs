@@ -9,7 +9,7 @@ use super::{
 use crate::contact::candidates::Candidates;
 use crate::contact::target::Target;
 use crate::coupling::handover;
-use crate::coupling::memory::BodyMemory;
+use crate::coupling::memory::{BodyMemory, Response};
 use crate::coupling::observe::{self, Answer, Surroundings};
 use crate::solve::shadow::Shadow;
 use rapier3d::dynamics::RigidBodyHandle;
@@ -270,7 +270,7 @@ fn shadow_of(
     }
     let answer = observe::answer(handle, body, around);
     let response = if answer == Answer::None {
-        1.0
+        Response::all(1.0)
     } else {
         let memory = memory.entry(handle.into_raw_parts()).or_default();
         observe::response(handle, body, answer, memory, around)

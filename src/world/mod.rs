@@ -180,7 +180,10 @@ impl DeformableWorld {
         let bodies = self.iter().map(|(_, b)| b.state_hash());
         let memory = self.memory.values().flat_map(|m| {
             [
-                m.response.unwrap_or(-1.0).to_bits(),
+                m.response.map_or(-1.0, |r| r.along.x).to_bits(),
+                m.response.map_or(-1.0, |r| r.along.y).to_bits(),
+                m.response.map_or(-1.0, |r| r.along.z).to_bits(),
+                m.response.map_or(-1.0, |r| r.about.x + 2.0 * r.about.y + 4.0 * r.about.z).to_bits(),
                 m.load.x.to_bits(),
                 m.load.y.to_bits(),
                 m.load.z.to_bits(),
