@@ -34,8 +34,9 @@ pub mod prelude {
     pub use crate::shape::{filled, lattice, rope, sheet};
     pub use crate::solve::Integrator;
     pub use crate::world::{
-        AttachTo, Attachment, AttachmentHandle, Deformable, DeformableBuilder, DeformableHandle, DeformableParameters,
-        DeformableWorld, Observer, RapierParts, SpringEvent, SpringEventKind, Substep, Substeps,
+        AttachTo, Attachment, AttachmentHandle, Deformable, DeformableBuilder, DeformableHandle,
+        DeformableParameters, DeformableWorld, Observer, RapierParts, SpringEvent, SpringEventKind,
+        Substep, Substeps,
     };
 }
 

@@ -265,7 +265,11 @@ mod tests {
 
     #[test]
     fn a_chord_ends_where_the_point_is() {
-        let (w, arm, h) = (DVec3::new(3.0, -20.0, 5.0), DVec3::new(0.4, 0.1, -0.7), 1e-3);
+        let (w, arm, h) = (
+            DVec3::new(3.0, -20.0, 5.0),
+            DVec3::new(0.4, 0.1, -0.7),
+            1e-3,
+        );
         for h in [h, -h] {
             let end = arm + (w.cross(arm) + chord(w, arm, h)) * h;
             assert!((end.length() - arm.length()).abs() < 1e-12);

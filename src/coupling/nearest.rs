@@ -109,7 +109,11 @@ pub fn pivot(points: &[(DVec3, f64)], pivot: Option<DVec3>) -> (Vec<f64>, f64, f
     }
     let wanted = local(pivot - centre);
     let slope = inertia.inverse() * wanted;
-    let reached: DVec3 = axes.iter().zip(wanted.to_array()).map(|(a, w)| *a * w).sum();
+    let reached: DVec3 = axes
+        .iter()
+        .zip(wanted.to_array())
+        .map(|(a, w)| *a * w)
+        .sum();
     let weights = points
         .iter()
         .map(|(x, m)| m / mass * (1.0 + local(*x - centre).dot(slope)))

@@ -102,7 +102,11 @@ mod tests {
                 e += h * v;
             }
             let last = energy(e, v, h) + lost;
-            assert!((last / first - 1.0).abs() < 1e-9, "h = {h}, c = {c}: {}", last / first);
+            assert!(
+                (last / first - 1.0).abs() < 1e-9,
+                "h = {h}, c = {c}: {}",
+                last / first
+            );
         }
     }
 

@@ -253,7 +253,11 @@ fn checked(a: &Attachment) -> Result<Hold, AttachError> {
     if let Some(at) = a.at
         && !at.is_finite()
     {
-        return Err(value("a coordinate of the pivot", at.x + at.y + at.z, "finite"));
+        return Err(value(
+            "a coordinate of the pivot",
+            at.x + at.y + at.z,
+            "finite",
+        ));
     }
     let Hold::Link { stiffness, .. } = a.hold else {
         return match a.damping {

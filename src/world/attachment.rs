@@ -172,7 +172,9 @@ pub enum AttachError {
     #[error("deformable {0:?} can't be attached to itself")]
     ToItself(DeformableHandle),
     /// A node is too far from the surface of the deformable it is to be attached to.
-    #[error("node {node} is {distance} m from the other deformable's surface, at most {limit} m can be bridged")]
+    #[error(
+        "node {node} is {distance} m from the other deformable's surface, at most {limit} m can be bridged"
+    )]
     TooFar {
         /// Its index; of a pin, that of its first node.
         node: u32,

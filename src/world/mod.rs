@@ -26,7 +26,8 @@ pub use builder::{DeformableBuilder, IntoDeformable, IntoNet};
 pub use deformable::Deformable;
 pub use energies::Energies;
 pub use observer::{
-    AttachmentBroke, AttachmentImpulse, Observer, PairImpulse, SpringEvent, SpringEventKind, Substep,
+    AttachmentBroke, AttachmentImpulse, Observer, PairImpulse, SpringEvent, SpringEventKind,
+    Substep,
 };
 pub use params::{DeformableParameters, Substeps};
 pub use parts::RapierParts;
@@ -183,7 +184,9 @@ impl DeformableWorld {
                 m.response.map_or(-1.0, |r| r.along.x).to_bits(),
                 m.response.map_or(-1.0, |r| r.along.y).to_bits(),
                 m.response.map_or(-1.0, |r| r.along.z).to_bits(),
-                m.response.map_or(-1.0, |r| r.about.x + 2.0 * r.about.y + 4.0 * r.about.z).to_bits(),
+                m.response
+                    .map_or(-1.0, |r| r.about.x + 2.0 * r.about.y + 4.0 * r.about.z)
+                    .to_bits(),
                 m.load.x.to_bits(),
                 m.load.y.to_bits(),
                 m.load.z.to_bits(),
@@ -191,7 +194,8 @@ impl DeformableWorld {
             ]
         });
         let attachments = self.attachments.iter().flat_map(|(_, a)| {
-            let average = [a.average.force, a.average.moment].map(|v| v.to_array().map(f64::to_bits));
+            let average =
+                [a.average.force, a.average.moment].map(|v| v.to_array().map(f64::to_bits));
             let [f, m] = average;
             let rest = [a.energy.to_bits(), u64::from(a.is_broken())];
             f.into_iter().chain(m).chain(rest)

@@ -1,9 +1,9 @@
 //! Attachments of a group within a substep: their ties, the work that these do, and whether they hold.
 
-use super::observer::{AttachmentBroke, AttachmentImpulse, Observer};
-use super::substep::{Group, node_work};
 use super::AttachmentHandle;
 use super::attach::AttachmentState;
+use super::observer::{AttachmentBroke, AttachmentImpulse, Observer};
+use super::substep::{Group, node_work};
 use crate::coupling::attach::Side;
 use crate::coupling::ties::{Average, LinkEnergy};
 use crate::math::DVec3;
