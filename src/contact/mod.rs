@@ -1,6 +1,12 @@
-//! Contact of nodes with Rapier's colliders: which colliders can be met, how far a node is from each, and the rows that
-//! follow.
+//! Contact of deformables with Rapier's colliders: which colliders can be met, how far a point is from each, and the rows
+//! that follow.
 
 pub mod candidates;
 pub mod distance;
+pub mod feature;
+pub mod form;
+pub mod nodes;
+pub mod site;
+pub mod soup;
 pub mod target;
+pub mod touches;

@@ -8,7 +8,7 @@
 
 use super::ties::Average;
 use crate::body::state::State;
-use crate::contact::candidates::slot;
+use crate::contact::site::slot;
 use crate::law::row::link;
 use crate::math::{DQuat, DVec3, Real};
 use crate::solve::rows::{Rows, Term, Tie};

@@ -83,7 +83,7 @@ mod tests {
 
     #[test]
     fn a_load_of_a_millisecond_is_seen_in_full_and_a_blow_alike_at_every_substep() {
-        for h in [1e-6, 1e-5, 1e-4] {
+        for h in [1e-6_f64, 1e-5, 1e-4] {
             let mut average = Average::default();
             for _ in 0..(1e-3 / h).round() as usize {
                 average.feel(DVec3::X * h, DVec3::ZERO, h);

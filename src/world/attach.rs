@@ -207,6 +207,7 @@ impl Deformable {
     /// Moves each point by minus its error as an impulse would, and books what that does to the energies as work of the rigid
     /// body.
     fn shift_points(&mut self, points: &[Point], errors: &[DVec3]) {
+        self.cache.forget();
         let balance = self.energies().balance();
         for (point, error) in points.iter().zip(errors) {
             let share = |p: &Part| {

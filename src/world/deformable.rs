@@ -2,7 +2,8 @@
 
 use super::motion::Start;
 use super::params::{DeformableParameters, Substeps};
-use crate::body::{Blueprint, NodeId, SpringId, State};
+use crate::body::search::tree::Cache;
+use crate::body::{Blueprint, NodeId, SpringId, State, Topology};
 use crate::contact::target::Surface;
 use crate::math::{DVec3, Real, Vector, narrow};
 use crate::solve::external::ForceField;
@@ -17,6 +18,7 @@ pub struct Deformable {
     pub(super) state: State<Real>,
     pub(super) solver: Solver<Real>,
     pub(super) surface: Surface,
+    pub(super) topology: Arc<Topology>,
     pub(super) gravity_scale: Real,
     pub(super) integrator: Option<Integrator>,
     pub(super) substeps: Option<Substeps>,
@@ -45,6 +47,8 @@ pub struct Deformable {
     /// Elastic energy in the links of its attachments, now and at the start of the rigid step \[J\].
     pub(super) links: f64,
     pub(super) links_backup: f64,
+    /// What queries remember until the nodes move.
+    pub(super) cache: Cache,
     /// Anything the user wants to keep with the body.
     pub user_data: u128,
 }

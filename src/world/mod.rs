@@ -4,6 +4,9 @@ mod attach;
 mod attachment;
 mod budget;
 mod builder;
+mod debug;
+#[cfg(feature = "debug-render")]
+mod debug_backend;
 mod deformable;
 mod edit;
 mod energies;
@@ -13,8 +16,10 @@ mod motion;
 mod observer;
 mod params;
 mod parts;
+mod query;
 mod reach;
 mod report;
+mod settings;
 mod sleep;
 mod step;
 mod substep;
@@ -23,6 +28,7 @@ mod ties;
 pub use attach::AttachmentState;
 pub use attachment::{AttachError, AttachTo, Attachment};
 pub use builder::{DeformableBuilder, IntoDeformable, IntoNet};
+pub use debug::{DebugStyle, rgba};
 pub use deformable::Deformable;
 pub use energies::Energies;
 pub use observer::{
@@ -31,10 +37,14 @@ pub use observer::{
 };
 pub use params::{DeformableParameters, Substeps};
 pub use parts::RapierParts;
+pub use query::{
+    DeformableFilter, DeformableOverlap, DeformableProjection, DeformableRayHit, RayHit,
+};
 pub use report::StepReport;
 
 use crate::body::BuildError;
 use crate::contact::candidates::Candidates;
+use crate::contact::form::Forms;
 use crate::coupling::memory::BodyMemory;
 use crate::math::Vector;
 use group::{BodyKey, Waiting};
@@ -85,6 +95,8 @@ pub struct DeformableWorld {
     memory: BTreeMap<BodyKey, BodyMemory>,
     /// What each deformable touched of each collider in the last step.
     contacts: BTreeMap<((u32, u32), BodyKey), Candidates>,
+    /// The shapes met so far, as contact sees them.
+    forms: Forms,
     waiting: Vec<Waiting>,
     report: StepReport,
     time: f64,

@@ -7,7 +7,8 @@ use super::observer::{
 use super::ties::Attached;
 use super::{Deformable, DeformableHandle};
 use crate::body::SpringId;
-use crate::contact::candidates::{Candidates, Reach};
+use crate::contact::candidates::Candidates;
+use crate::contact::site::{Reach, Side, Site};
 use crate::coupling::observe::Answer;
 use crate::law::row::{pull_back, push_out};
 use crate::math::DVec3;
@@ -134,15 +135,18 @@ impl Group {
                     slack,
                     farthest: s.touching + slack + 2.0 * moved,
                 };
-                c.refresh(&body.state, shadow, moved, reach.farthest.max(s.near));
-                c.add_rows(
-                    m,
-                    &body.state,
+                let site = Site {
+                    side: Side {
+                        body: m,
+                        state: &body.state,
+                        topology: &body.topology,
+                    },
                     shadow,
-                    &mut body.slots,
-                    &mut self.rows,
+                    slots: &mut body.slots,
+                    rows: &mut self.rows,
                     reach,
-                );
+                };
+                c.find_rows(site, moved, s.near);
             }
         }
         self.find_ties(h);

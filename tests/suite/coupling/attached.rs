@@ -448,8 +448,3 @@ fn deformables_are_attached_to_each_other() {
     assert!(!set.contains_attachment(tie), "the other side is gone");
     set.step(&mut world);
 }
-fn wheels() -> Vec<f32> {
-    std::env::var("WHEELS")
-        .map(|w| w.split(',').map(|x| x.parse().unwrap()).collect())
-        .unwrap_or(vec![20.0])
-}
