@@ -118,20 +118,48 @@ impl BodyMemory {
 }
 
 /// Mixes what was measured along each axis into what was known. An axis along which next to nothing was given tells next
-/// to nothing.
+/// to nothing; none answers less than the whole does along what it was given, for a guess too low makes it overshoot.
 fn learn(old: DVec3, actual: DVec3, free: DVec3) -> DVec3 {
     let squared = free.length_squared();
+    if !(squared.is_finite() && actual.is_finite()) {
+        return old;
+    }
     let mean = (actual.dot(free) / squared).clamp(0.0, 1.0);
     let along = |old: f64, v: f64, f: f64| {
         if f == 0.0 {
             return old;
         }
         let trust = f * f / (f * f + 0.01 * squared);
-        old + 0.5 * trust * ((v / f).clamp(mean, 1.0) - old)
+        old + 0.5 * trust * ((v / f).max(mean).min(1.0) - old)
     };
     DVec3::new(
         along(old.x, actual.x, free.x),
         along(old.y, actual.y, free.y),
         along(old.z, actual.z, free.z),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_floor_holds_up_can_still_be_pushed_along() {
+        let mut memory = BodyMemory {
+            response: Some(Response::all(0.2)),
+            ..BodyMemory::default()
+        };
+        for _ in 0..40 {
+            let (given, got) = (DVec3::new(0.4, -1.0, 0.0), DVec3::new(0.2, 0.0, 0.0));
+            memory.answer(got, given, DVec3::ZERO, DVec3::ZERO);
+        }
+        let along = memory.response.unwrap().along;
+        assert!((along.x - 0.5).abs() < 1e-3, "{along}");
+        assert!(along.y < 0.1, "{along}");
+        assert_eq!(
+            (along.z, memory.response.unwrap().about.x),
+            (0.2, 0.2),
+            "nothing was tried"
+        );
+    }
 }

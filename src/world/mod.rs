@@ -45,7 +45,7 @@ pub use report::StepReport;
 use crate::body::BuildError;
 use crate::contact::candidates::Candidates;
 use crate::contact::form::Forms;
-use crate::coupling::memory::BodyMemory;
+use crate::coupling::memory::{BodyMemory, Response};
 use crate::math::Vector;
 use group::{BodyKey, Waiting};
 use rapier3d::data::arena::{Arena, Index};
@@ -192,18 +192,11 @@ impl DeformableWorld {
     pub fn state_hash(&self) -> u64 {
         let bodies = self.iter().map(|(_, b)| b.state_hash());
         let memory = self.memory.values().flat_map(|m| {
-            [
-                m.response.map_or(-1.0, |r| r.along.x).to_bits(),
-                m.response.map_or(-1.0, |r| r.along.y).to_bits(),
-                m.response.map_or(-1.0, |r| r.along.z).to_bits(),
-                m.response
-                    .map_or(-1.0, |r| r.about.x + 2.0 * r.about.y + 4.0 * r.about.z)
-                    .to_bits(),
-                m.load.x.to_bits(),
-                m.load.y.to_bits(),
-                m.load.z.to_bits(),
-                m.asleep.to_bits(),
-            ]
+            let known = m.response.unwrap_or(Response::all(-1.0));
+            let [along, about, load] = [known.along, known.about, m.load].map(|v| v.to_array());
+            let rest = [m.asleep.to_bits()];
+            let vectors = along.into_iter().chain(about).chain(load);
+            vectors.map(f64::to_bits).chain(rest)
         });
         let attachments = self.attachments.iter().flat_map(|(_, a)| {
             let average =

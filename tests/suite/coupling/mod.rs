@@ -2,6 +2,7 @@
 //! can touch an awake body) and with Rapier stepped at every substep, which is the reference.
 
 mod attached;
+mod carried;
 mod impact;
 mod rest;
 mod stick;
