@@ -36,10 +36,10 @@ pub mod prelude {
     pub use crate::shape::{filled, lattice, rope, sheet};
     pub use crate::solve::Integrator;
     pub use crate::world::{
-        AttachmentHandle, Deformable, DeformableBuilder, DeformableFilter, DeformableHandle,
-        DeformableOverlap, DeformableParameters, DeformableProjection, DeformableRayHit,
-        DeformableWorld, Observer, RapierParts, RayHit, SpringEvent, SpringEventKind, Substep,
-        Substeps,
+        AttachTo, Attachment, AttachmentHandle, Deformable, DeformableBuilder, DeformableFilter,
+        DeformableHandle, DeformableOverlap, DeformableParameters, DeformableProjection,
+        DeformableRayHit, DeformableWorld, Observer, RapierParts, RayHit, SpringEvent,
+        SpringEventKind, Substep, Substeps,
     };
 }
 

@@ -114,9 +114,13 @@ pub struct Tie {
     pub arm: DVec3,
     /// Point minus anchor \[m\].
     pub error: DVec3,
+    /// Velocity relative to the anchor at the end of the last substep \[m/s\].
+    pub before: DVec3,
+    /// What the anchor's mean velocity over the substep differs from that at its start \[m/s\].
+    pub chord: DVec3,
     /// Velocity the point must have relative to the anchor's \[m/s\].
     pub bias: DVec3,
-    /// 0 for a rigid tie, 1/(h²k + h·c) of a link of k N/m and c N·s/m \[1/kg\].
+    /// 0 for a rigid tie, that of [`link`](crate::law::row::link) for a link \[1/kg\].
     pub softness: f64,
     /// Accumulated impulse on the node \[N·s\].
     pub impulse: DVec3,

@@ -156,7 +156,7 @@ impl DeformableWorld {
         }
         if style.attachments {
             for (_, attachment) in self.attachments().filter(|(_, a)| a.deformable == handle) {
-                for (node, _) in &attachment.anchors {
+                for node in attachment.nodes.iter() {
                     cross(*node, style.attachment_color);
                 }
             }

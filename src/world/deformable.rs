@@ -44,6 +44,9 @@ pub struct Deformable {
     /// The work done until then.
     pub(super) work_backup: Work,
     pub(super) h: f64,
+    /// Elastic energy in the links of its attachments, now and at the start of the rigid step \[J\].
+    pub(super) links: f64,
+    pub(super) links_backup: f64,
     /// What queries remember until the nodes move.
     pub(super) cache: Cache,
     /// Anything the user wants to keep with the body.

@@ -3,11 +3,13 @@
 use super::reach::Search;
 use super::report::StepReport;
 use super::substep::{Group, NEAR};
-use super::{AttachmentHandle, Deformable, DeformableHandle, DeformableWorld, RapierParts, reach};
+use super::{
+    AttachTo, AttachmentHandle, Deformable, DeformableHandle, DeformableWorld, RapierParts, reach,
+};
 use crate::contact::candidates::Candidates;
 use crate::contact::target::Target;
 use crate::coupling::handover;
-use crate::coupling::memory::BodyMemory;
+use crate::coupling::memory::{BodyMemory, Response};
 use crate::coupling::observe::{self, Answer, Surroundings};
 use crate::solve::shadow::Shadow;
 use rapier3d::dynamics::RigidBodyHandle;
@@ -77,6 +79,7 @@ impl DeformableWorld {
         let far = 0.01 * parts.length_unit();
         let mut groups: BTreeMap<usize, Group> = BTreeMap::new();
         let around = parts.surroundings();
+        let mut bonds = Vec::new();
         for (i, reach) in reaches.into_iter().enumerate() {
             let group = groups.entry(group_of[i]).or_insert_with(Group::empty);
             let Some(body) = self.take(reach.handle) else {
@@ -100,13 +103,25 @@ impl DeformableWorld {
                 });
             }
             group.candidates.push(candidates);
-            for handle in reach.attachments {
-                if let Some(attachment) = self.attachments.get(handle.0) {
-                    let shadow =
-                        shadow_of(group, Some(attachment.body), &mut self.memory, &around, dt);
-                    group.add_attachment(member, handle, shadow, attachment.clone());
+            let attachments = reach.attachments.into_iter();
+            bonds.extend(attachments.map(|h| (group_of[i], member as u32, h)));
+        }
+        for (number, member, handle) in bonds {
+            let (Some(group), Some(bond)) =
+                (groups.get_mut(&number), self.attachments.get(handle.0))
+            else {
+                continue;
+            };
+            let shadow = shadow_of(group, bond.body(), &mut self.memory, &around, dt);
+            let other = match bond.target {
+                AttachTo::Deformable(other) => {
+                    let found = group.members.iter().position(|(h, _)| *h == other);
+                    let Some(found) = found else { continue };
+                    Some(found as u32)
                 }
-            }
+                _ => None,
+            };
+            group.add_attachment(member, other, shadow, handle, bond.clone());
         }
         groups.into_values().collect()
     }
@@ -126,7 +141,7 @@ impl DeformableWorld {
             let attached = reach
                 .attachments
                 .iter()
-                .filter_map(|h| Some(self.attachments.get(h.0)?.body));
+                .filter_map(|h| self.attachments.get(h.0)?.body());
             for body in touched.chain(attached) {
                 if !parts.bodies.get(body).is_some_and(|b| b.is_dynamic()) {
                     continue;
@@ -134,6 +149,16 @@ impl DeformableWorld {
                 let other = *first.entry(body.into_raw_parts()).or_insert(i);
                 let (a, b) = (root(&parent, i), root(&parent, other));
                 parent[a.max(b)] = a.min(b);
+            }
+            for handle in &reach.attachments {
+                let bond = self.attachments.get(handle.0);
+                let Some(AttachTo::Deformable(to)) = bond.map(|b| b.target) else {
+                    continue;
+                };
+                if let Some(other) = reaches.iter().position(|r| r.handle == to) {
+                    let (a, b) = (root(&parent, i), root(&parent, other));
+                    parent[a.max(b)] = a.min(b);
+                }
             }
         }
         (0..reaches.len()).map(|i| root(&parent, i)).collect()
@@ -147,8 +172,12 @@ impl DeformableWorld {
         self.attachments
             .iter()
             .filter(|(_, a)| {
-                a.deformable == deformable
-                    && parts.bodies.get(a.body).is_some_and(|b| b.is_enabled())
+                let target_is_there = match a.target {
+                    AttachTo::Body(body) => parts.bodies.get(body).is_some_and(|b| b.is_enabled()),
+                    AttachTo::Deformable(other) => self.get(other).is_some_and(|b| b.is_enabled()),
+                    _ => true,
+                };
+                a.deformable == deformable && !a.is_broken() && target_is_there
             })
             .map(|(index, _)| AttachmentHandle(index))
             .collect()
@@ -206,7 +235,13 @@ impl DeformableWorld {
         }
         for attachment in group.attachments {
             if let Some(kept) = self.attachments.get_mut(attachment.handle.0) {
-                (kept.force, kept.torque) = (attachment.impulse / dt, attachment.torque / dt);
+                *kept = attachment.bond;
+                kept.force = attachment.impulse / dt;
+                kept.torque = attachment.torque / dt;
+                kept.moment = attachment.moment / dt;
+                if kept.is_broken() {
+                    self.report.broken_attachments.push(attachment.handle);
+                }
             }
         }
         for (handle, body) in group.members {
@@ -238,7 +273,7 @@ fn shadow_of(
     }
     let answer = observe::answer(handle, body, around);
     let response = if answer == Answer::None {
-        1.0
+        Response::all(1.0)
     } else {
         let memory = memory.entry(handle.into_raw_parts()).or_default();
         observe::response(handle, body, answer, memory, around)

@@ -1,5 +1,6 @@
 //! The world of deformables beside a Rapier world.
 
+mod attach;
 mod attachment;
 mod budget;
 mod builder;
@@ -22,14 +23,17 @@ mod settings;
 mod sleep;
 mod step;
 mod substep;
+mod ties;
 
-pub use attachment::AttachError;
+pub use attach::AttachmentState;
+pub use attachment::{AttachError, AttachTo, Attachment};
 pub use builder::{DeformableBuilder, IntoDeformable, IntoNet};
 pub use debug::{DebugStyle, rgba};
 pub use deformable::Deformable;
 pub use energies::Energies;
 pub use observer::{
-    AttachmentImpulse, Observer, PairImpulse, SpringEvent, SpringEventKind, Substep,
+    AttachmentBroke, AttachmentImpulse, Observer, PairImpulse, SpringEvent, SpringEventKind,
+    Substep,
 };
 pub use params::{DeformableParameters, Substeps};
 pub use parts::RapierParts;
@@ -41,8 +45,7 @@ pub use report::StepReport;
 use crate::body::BuildError;
 use crate::contact::candidates::Candidates;
 use crate::contact::form::Forms;
-use crate::coupling::attach::Attachment;
-use crate::coupling::memory::BodyMemory;
+use crate::coupling::memory::{BodyMemory, Response};
 use crate::math::Vector;
 use group::{BodyKey, Waiting};
 use rapier3d::data::arena::{Arena, Index};
@@ -88,7 +91,7 @@ pub struct DeformableWorld {
     /// Settings.
     pub params: DeformableParameters,
     bodies: Arena<Box<Deformable>>,
-    attachments: Arena<Attachment<DeformableHandle>>,
+    attachments: Arena<AttachmentState>,
     memory: BTreeMap<BodyKey, BodyMemory>,
     /// What each deformable touched of each collider in the last step.
     contacts: BTreeMap<((u32, u32), BodyKey), Candidates>,
@@ -132,8 +135,9 @@ impl DeformableWorld {
 
     /// Removes a body and its attachments. Rigid bodies that slept on it wake in the next step.
     pub fn remove(&mut self, handle: DeformableHandle) -> Option<Deformable> {
-        let body = self.bodies.remove(handle.0)?;
-        self.attachments.retain(|_, a| a.deformable != handle);
+        let mut body = self.bodies.remove(handle.0)?;
+        body.edit(|body| body.links = 0.0);
+        self.drop_stale_attachments(None);
         Some(*body)
     }
 
@@ -188,16 +192,22 @@ impl DeformableWorld {
     pub fn state_hash(&self) -> u64 {
         let bodies = self.iter().map(|(_, b)| b.state_hash());
         let memory = self.memory.values().flat_map(|m| {
-            [
-                m.response.unwrap_or(-1.0).to_bits(),
-                m.load.x.to_bits(),
-                m.load.y.to_bits(),
-                m.load.z.to_bits(),
-                m.asleep.to_bits(),
-            ]
+            let known = m.response.unwrap_or(Response::all(-1.0));
+            let [along, about, load] = [known.along, known.about, m.load].map(|v| v.to_array());
+            let rest = [m.asleep.to_bits()];
+            let vectors = along.into_iter().chain(about).chain(load);
+            vectors.map(f64::to_bits).chain(rest)
+        });
+        let attachments = self.attachments.iter().flat_map(|(_, a)| {
+            let average =
+                [a.average.force, a.average.moment].map(|v| v.to_array().map(f64::to_bits));
+            let [f, m] = average;
+            let rest = [a.energy.to_bits(), u64::from(a.is_broken())];
+            f.into_iter().chain(m).chain(rest)
         });
         bodies
             .chain(memory)
+            .chain(attachments)
             .chain([u64::from(self.parity)])
             .fold(0xcbf2_9ce4_8422_2325, |hash, word| {
                 (hash ^ word).wrapping_mul(0x0000_0100_0000_01b3)

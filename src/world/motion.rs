@@ -136,6 +136,7 @@ impl Deformable {
     pub(super) fn back_up(&mut self) {
         self.backup.clone_from(&self.state);
         self.work_backup = self.solver.work;
+        self.links_backup = self.links;
     }
 
     /// Back to the start of the rigid step: positions, velocities, what flowed and broke, and the work done.
@@ -143,6 +144,7 @@ impl Deformable {
         self.cache.forget();
         self.state.clone_from(&self.backup);
         self.solver.work = self.work_backup;
+        self.links = self.links_backup;
         self.solver.events.clear();
         self.start.restored = false;
         self.edits += 1;

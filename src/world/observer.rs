@@ -12,6 +12,8 @@ pub trait Observer {
     fn substep(&mut self, substep: &Substep);
     /// Called when a spring yields for the first time or breaks.
     fn event(&mut self, _event: &SpringEvent) {}
+    /// Called when an attachment breaks.
+    fn attachment_event(&mut self, _event: &AttachmentBroke) {}
 }
 
 /// Observes nothing.
@@ -59,6 +61,23 @@ pub struct AttachmentImpulse {
     pub deformable: DeformableHandle,
     /// Impulse on the deformable \[N·s\].
     pub impulse: DVec3,
+    /// Angular impulse on the deformable about the attachment's pivot \[N·m·s\].
+    pub moment: DVec3,
+}
+
+/// An attachment broke: under what, and when.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AttachmentBroke {
+    /// The attachment.
+    pub attachment: AttachmentHandle,
+    /// The deformable.
+    pub deformable: DeformableHandle,
+    /// Force on what it was attached to \[N\].
+    pub force: DVec3,
+    /// Moment on it about the pivot \[N·m\].
+    pub moment: DVec3,
+    /// Simulated time at the end of the substep \[s\].
+    pub time: f64,
 }
 
 /// What happened to a spring.

@@ -1,6 +1,6 @@
 //! What a step did, for those who ask.
 
-use super::DeformableHandle;
+use super::{AttachmentHandle, DeformableHandle};
 use rapier3d::geometry::ColliderHandle;
 
 /// What the last step did. A step never panics and returns no `Result`; what went wrong stands here.
@@ -21,6 +21,8 @@ pub struct StepReport {
     pub unstable: Vec<DeformableHandle>,
     /// Colliders in reach whose shape nodes can't touch yet.
     pub unsupported: Vec<ColliderHandle>,
+    /// Attachments that broke in this step.
+    pub broken_attachments: Vec<AttachmentHandle>,
     /// Work of the shadows minus work done on the rigid bodies \[J\].
     pub coupling_defect: f64,
 }

@@ -141,7 +141,8 @@ impl DeformableWorld {
                 found |= collider.parent().is_some_and(awake) && Form::takes(collider.shape());
             });
         }
-        found || self.attachments.iter().any(|(_, a)| awake(a.body))
+        let mut bonds = self.attachments.iter().filter(|(_, a)| !a.is_broken());
+        found || bonds.any(|(_, a)| a.body().is_some_and(awake))
     }
 
     /// Advances all deformables through a rigid step of `dt` s, the `left` s of a `frame` that is not over yet.
@@ -153,10 +154,11 @@ impl DeformableWorld {
         left: f64,
         observer: &mut dyn Observer,
     ) {
-        self.drop_stale_attachments(parts);
+        self.drop_stale_attachments(Some(&*parts.bodies));
+        self.find_loose_attachments(parts);
         self.wake_on_new_gravity(parts);
         for (_, attachment) in self.attachments.iter_mut() {
-            (attachment.force, attachment.torque) = Default::default();
+            (attachment.force, attachment.torque, attachment.moment) = Default::default();
         }
         let defaults = self.params;
         for (_, body) in self.bodies.iter_mut().filter(|(_, b)| b.is_enabled()) {
@@ -250,7 +252,7 @@ impl DeformableWorld {
             *shadow = touched.start;
         }
         for attachment in &mut group.attachments {
-            (attachment.impulse, attachment.torque) = Default::default();
+            attachment.go_back();
         }
     }
 
@@ -279,6 +281,7 @@ impl DeformableWorld {
                 self.report.coupling_defect += handover::after_step(body, &pending, &end, memory);
             }
         }
+        self.follow_rigid_bodies(parts);
         self.watch_sleepers(parts, dt);
     }
 

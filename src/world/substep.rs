@@ -4,11 +4,11 @@ use super::group::Touched;
 use super::observer::{
     AttachmentImpulse, Observer, PairImpulse, SpringEvent, SpringEventKind, Substep,
 };
-use super::{AttachmentHandle, Deformable, DeformableHandle};
+use super::ties::Attached;
+use super::{Deformable, DeformableHandle};
 use crate::body::SpringId;
 use crate::contact::candidates::Candidates;
 use crate::contact::site::{Reach, Side, Site};
-use crate::coupling::attach::Attachment;
 use crate::coupling::observe::Answer;
 use crate::law::row::{pull_back, push_out};
 use crate::math::DVec3;
@@ -16,18 +16,6 @@ use crate::solve::rows::{RowNode, Rows, Term, Terms};
 use crate::solve::shadow::Shadow;
 use crate::solve::work::Work;
 use rapier3d::geometry::ColliderHandle;
-
-/// An attachment while its group is advanced.
-#[derive(Clone, Debug)]
-pub(super) struct Attached {
-    pub handle: AttachmentHandle,
-    pub member: u32,
-    pub shadow: u32,
-    pub attachment: Attachment<DeformableHandle>,
-    /// Impulse and angular impulse on the rigid body in this rigid step.
-    pub impulse: DVec3,
-    pub torque: DVec3,
-}
 
 /// Deformables that share substeps and rows, and the shadows of what they can touch.
 #[derive(Debug)]
@@ -40,8 +28,8 @@ pub(super) struct Group {
     pub touched: Vec<Touched>,
     pub attachments: Vec<Attached>,
     pairs: Vec<PairImpulse>,
-    tied: Vec<AttachmentImpulse>,
-    rows: Rows,
+    pub tied: Vec<AttachmentImpulse>,
+    pub rows: Rows,
 }
 
 /// Distance within which a node counts as near a sleeping body, in length units.
@@ -86,28 +74,6 @@ impl Group {
         self.pairs.len() as u32 - 1
     }
 
-    pub fn add_attachment(
-        &mut self,
-        member: usize,
-        handle: AttachmentHandle,
-        shadow: u32,
-        attachment: Attachment<DeformableHandle>,
-    ) {
-        self.tied.push(AttachmentImpulse {
-            attachment: handle,
-            deformable: attachment.deformable,
-            impulse: DVec3::ZERO,
-        });
-        self.attachments.push(Attached {
-            handle,
-            member: member as u32,
-            shadow,
-            attachment,
-            impulse: DVec3::ZERO,
-            torque: DVec3::ZERO,
-        });
-    }
-
     /// Brings the velocities of shadows to the instants of the group's substeps.
     pub fn synchronise(&mut self, h: f64) {
         for shadow in &mut self.shadows[1..] {
@@ -138,6 +104,7 @@ impl Group {
         self.write_velocities(h);
         self.push_out(h, s);
         self.book_work();
+        self.book_ties(h, time);
         for (_, body) in &mut self.members {
             body.finish(h);
         }
@@ -181,12 +148,8 @@ impl Group {
                 };
                 c.find_rows(site, moved, s.near);
             }
-            for (i, a) in (0..).zip(&self.attachments).filter(|(_, a)| a.member == m) {
-                let shadow = (a.shadow, &self.shadows[a.shadow as usize]);
-                a.attachment
-                    .add_ties(i, m, shadow, &body.state, &mut body.slots, &mut self.rows);
-            }
         }
+        self.find_ties(h);
     }
 
     fn read_free_velocities(&mut self, h: f64) {
@@ -218,7 +181,7 @@ impl Group {
     }
 
     /// Mends depth, creep of what sticks, and errors of ties at position level, on the nodes alone, which gives nothing any
-    /// velocity. What that changes in stored energy is booked; the angular momentum that a moved node loses goes to the
+    /// velocity. Ties are mended in full, and at a limited rate only while something moved from outside is on its way back. What that changes in stored energy is booked; the angular momentum that a moved node loses goes to the
     /// body it is moved out of, if that is free.
     fn push_out(&mut self, h: f64, s: &Settings) {
         let Self {
@@ -226,6 +189,7 @@ impl Group {
             members,
             shadows,
             touched,
+            attachments,
             ..
         } = self;
         let mut mend = |terms: Terms, shadow: u32, by: DVec3| {
@@ -254,8 +218,9 @@ impl Group {
         for tie in rows.ties.iter().filter(|t| t.softness == 0.0) {
             let length = tie.error.length();
             if length > 0.0 {
-                let by = -towards(tie.error, push_out(length, h, s.push_out));
-                mend(tie.terms, tie.shadow, by);
+                let loose = attachments[tie.attachment as usize].bond.loose;
+                let most = if loose { s.push_out * h } else { length };
+                mend(tie.terms, tie.shadow, -towards(tie.error, length.min(most)));
             }
         }
     }
@@ -284,18 +249,6 @@ impl Group {
             pair.impulse += impulse;
             pair.depth = pair.depth.max(row.depth);
             pair.touching += u32::from(row.normal_impulse > 0.0);
-        }
-        for tie in &self.rows.ties {
-            for term in self.rows.terms_of(tie.terms) {
-                let node = &self.rows.nodes[term.node as usize];
-                let impulse = tie.impulse * term.share;
-                let (mean, work) = node_work(&mut self.members, node, impulse);
-                work.rigid += impulse.dot(mean);
-            }
-            let attached = &mut self.attachments[tie.attachment as usize];
-            attached.impulse -= tie.impulse;
-            attached.torque -= tie.arm.cross(tie.impulse);
-            self.tied[tie.attachment as usize].impulse += tie.impulse;
         }
     }
 
@@ -348,6 +301,7 @@ impl Group {
                 });
             }
         }
+        self.report_breaks(observer);
         observer.substep(&Substep {
             time,
             h,
@@ -359,7 +313,7 @@ impl Group {
             (pair.impulse, pair.depth, pair.touching) = (DVec3::ZERO, 0.0, 0);
         }
         for tied in &mut self.tied {
-            tied.impulse = DVec3::ZERO;
+            (tied.impulse, tied.moment) = Default::default();
         }
     }
 
@@ -374,7 +328,7 @@ impl Group {
                 near[i] = near[i] || c.any_within(&body.state, &self.shadows[i + 1], distance);
             }
         }
-        for a in &self.attachments {
+        for a in self.attachments.iter().filter(|a| !a.bond.is_broken()) {
             if let Some(i) = (a.shadow as usize).checked_sub(1) {
                 near[i] = true;
             }
@@ -383,7 +337,7 @@ impl Group {
     }
 }
 
-type Members = [(DeformableHandle, Box<Deformable>)];
+pub(super) type Members = [(DeformableHandle, Box<Deformable>)];
 
 /// A vector of length `length` along `v`.
 fn towards(v: DVec3, length: f64) -> DVec3 {
@@ -444,7 +398,7 @@ fn mean_velocity(
 
 /// The velocity whose product with an impulse on a node is its work, and where to book it. Whatever holds a pinned node
 /// takes up the work of the impulse.
-fn node_work<'a>(
+pub(super) fn node_work<'a>(
     members: &'a mut Members,
     node: &RowNode,
     impulse: DVec3,

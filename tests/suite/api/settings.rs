@@ -124,11 +124,11 @@ fn attachments_can_be_listed() {
     let listed: Vec<_> = set.attachments().map(|(handle, _)| handle).collect();
     assert_eq!(listed, [first, second]);
     let attachment = set.attachment(second).unwrap();
-    assert_eq!((attachment.deformable, attachment.body), (block, rigid));
     assert_eq!(
-        attachment.anchors.iter().map(|a| a.0).collect::<Vec<_>>(),
-        [1, 2]
+        (attachment.deformable, attachment.body().unwrap()),
+        (block, rigid)
     );
+    assert_eq!(attachment.nodes.to_vec(), [1, 2]);
     assert!(set.contains_attachment(first) && set.detach(first));
     assert!(!set.contains_attachment(first) && set.attachment(first).is_none());
     assert!(set.contains_attachment(second) && set.attachments().count() == 1);

@@ -3,6 +3,7 @@
 mod chains;
 mod cloth;
 mod crash;
+mod held;
 mod impact;
 mod integrators;
 mod lattice;
