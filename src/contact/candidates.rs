@@ -161,6 +161,7 @@ impl Candidates {
                     .stiffness
                     .map_or(0.0, |k| softness(k, 0.0, reach.h)),
                 drift: drift - normal * drift.dot(normal),
+                carried: 0.0,
                 normal_impulse: 0.0,
                 friction_impulse: DVec3::ZERO,
                 mass: 0.0,

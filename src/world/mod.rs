@@ -8,6 +8,7 @@ mod edit;
 mod energies;
 mod group;
 mod kinematic;
+mod meet;
 mod motion;
 mod observer;
 mod params;
@@ -23,7 +24,7 @@ pub use builder::{DeformableBuilder, IntoDeformable, IntoNet};
 pub use deformable::Deformable;
 pub use energies::Energies;
 pub use observer::{
-    AttachmentImpulse, Observer, PairImpulse, SpringEvent, SpringEventKind, Substep,
+    AttachmentImpulse, Observer, PairImpulse, Partner, SpringEvent, SpringEventKind, Substep,
 };
 pub use params::{DeformableParameters, Substeps};
 pub use parts::RapierParts;
@@ -31,6 +32,7 @@ pub use report::StepReport;
 
 use crate::body::BuildError;
 use crate::contact::candidates::Candidates;
+use crate::contact::encounter::Encounter;
 use crate::coupling::attach::Attachment;
 use crate::coupling::memory::BodyMemory;
 use crate::math::Vector;
@@ -82,6 +84,9 @@ pub struct DeformableWorld {
     memory: BTreeMap<BodyKey, BodyMemory>,
     /// What each deformable touched of each collider in the last step.
     contacts: BTreeMap<((u32, u32), BodyKey), Candidates>,
+    /// What pairs of deformables touched of each other in the last step.
+    encounters: BTreeMap<(BodyKey, BodyKey), Encounter>,
+    meetings: meet::Meetings,
     waiting: Vec<Waiting>,
     report: StepReport,
     time: f64,

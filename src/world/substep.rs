@@ -2,11 +2,12 @@
 
 use super::group::Touched;
 use super::observer::{
-    AttachmentImpulse, Observer, PairImpulse, SpringEvent, SpringEventKind, Substep,
+    AttachmentImpulse, Observer, PairImpulse, Partner, SpringEvent, SpringEventKind, Substep,
 };
-use super::{AttachmentHandle, Deformable, DeformableHandle};
+use super::{AttachmentHandle, Deformable, DeformableHandle, meet};
 use crate::body::SpringId;
 use crate::contact::candidates::{Candidates, Reach};
+use crate::contact::encounter::Encounter;
 use crate::coupling::attach::Attachment;
 use crate::coupling::observe::Answer;
 use crate::law::row::{pull_back, push_out};
@@ -14,7 +15,6 @@ use crate::math::DVec3;
 use crate::solve::rows::{RowNode, Rows, Term, Terms};
 use crate::solve::shadow::Shadow;
 use crate::solve::work::Work;
-use rapier3d::geometry::ColliderHandle;
 
 /// An attachment while its group is advanced.
 #[derive(Clone, Debug)]
@@ -34,6 +34,8 @@ pub(super) struct Group {
     pub members: Vec<(DeformableHandle, Box<Deformable>)>,
     /// Per member, sorted by collider.
     pub candidates: Vec<Vec<Candidates>>,
+    /// Pairs of members that may touch, sorted.
+    pub encounters: Vec<Encounter>,
     /// The first is the fixed world, the others belong to `touched`.
     pub shadows: Vec<Shadow>,
     pub touched: Vec<Touched>,
@@ -65,6 +67,7 @@ impl Group {
         Self {
             members: Vec::new(),
             candidates: Vec::new(),
+            encounters: Vec::new(),
             shadows: vec![Shadow::FIXED],
             touched: Vec::new(),
             attachments: Vec::new(),
@@ -74,10 +77,10 @@ impl Group {
         }
     }
 
-    pub fn add_pair(&mut self, member: usize, collider: ColliderHandle) -> u32 {
+    pub fn add_pair(&mut self, member: usize, partner: Partner) -> u32 {
         self.pairs.push(PairImpulse {
             deformable: self.members[member].0,
-            collider,
+            partner,
             impulse: DVec3::ZERO,
             depth: 0.0,
             touching: 0,
@@ -183,6 +186,9 @@ impl Group {
                     .add_ties(i, m, shadow, &body.state, &mut body.slots, &mut self.rows);
             }
         }
+        for encounter in &mut self.encounters {
+            meet::find_rows(encounter, &mut self.members, &mut self.rows, h, s);
+        }
     }
 
     fn read_free_velocities(&mut self, h: f64) {
@@ -197,6 +203,9 @@ impl Group {
     fn remember(&mut self, s: &Settings) {
         for c in self.candidates.iter_mut().flatten() {
             c.remember(&self.rows, s.touching);
+        }
+        for e in &mut self.encounters {
+            e.remember(&self.rows, s.touching);
         }
     }
 
@@ -276,10 +285,16 @@ impl Group {
                 work.contact_friction -= term.share * row.friction_impulse.dot(mean - meeting);
                 work.rigid += term.share * impulse.dot(meeting);
             }
-            let pair = &mut self.pairs[row.pair as usize];
-            pair.impulse += impulse;
-            pair.depth = pair.depth.max(row.depth);
-            pair.touching += u32::from(row.normal_impulse > 0.0);
+            let pair = row.pair as usize;
+            // Two deformables are two pairs, the second with the impulse on the other one.
+            let pairs = &mut self.pairs[pair..=pair + usize::from(row.between)];
+            for (pair, sign) in pairs.iter_mut().zip([1.0, -1.0]) {
+                let of_this = |t: &&Term| t.weight * sign > 0.0;
+                let share: f64 = terms.iter().filter(of_this).map(|t| t.share).sum();
+                pair.impulse += impulse * share;
+                pair.depth = pair.depth.max(row.depth);
+                pair.touching += u32::from(row.normal_impulse > 0.0);
+            }
         }
         for tie in &self.rows.ties {
             for term in self.rows.terms_of(tie.terms) {

@@ -3,6 +3,7 @@
 
 mod impact;
 mod rest;
+mod soft;
 mod stick;
 
 use crumple::prelude::*;
