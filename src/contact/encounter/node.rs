@@ -9,6 +9,12 @@ use super::posed::{Posed, Way};
 use super::touch::Touch;
 use crate::math::DVec3;
 
+/// Two solids touch only where their surfaces look at each other: the cosine of their normals is less than this.
+const FACING: f64 = -0.1;
+
+/// How far beside a rim a node still counts as lying on it, per distance that counts as touching.
+const RIM: f64 = 100.0;
+
 /// A point of the other body that a node can touch.
 #[derive(Clone, Copy, Debug)]
 pub struct Found {
@@ -74,10 +80,10 @@ impl Query<'_> {
         if !self.other.outline.closed && best.squared > self.farthest * self.farthest {
             return [None; 2];
         }
-        let first = self.see(&best);
-        if first.gap > self.farthest {
+        let seen = self.see(&best).filter(|f| f.gap <= self.farthest);
+        let Some(first) = seen else {
             return [None; 2];
-        }
+        };
         let others = faces > u32::from(best.nearest.feature == Feature::Face);
         let second = others.then(|| self.second(&first)).flatten();
         [Some(first), second]
@@ -92,22 +98,30 @@ impl Query<'_> {
             .next()
     }
 
-    fn see(&self, way: &Way) -> Found {
+    fn see(&self, way: &Way) -> Option<Found> {
         if self.other.outline.closed {
             self.see_solid(way)
         } else {
-            self.see_sheet(way)
+            Some(self.see_sheet(way))
         }
     }
 
-    fn see_solid(&self, way: &Way) -> Found {
+    fn see_solid(&self, way: &Way) -> Option<Found> {
         let found = self.outside_of(way);
+        let own = (self.own_normal)().normalize_or_zero();
+        if found.normal.dot(own) > FACING {
+            // The surfaces do not look at each other: a node under the very rim of a solid is nearest to its side, and
+            // would be caught by it, or be let down beside it.
+            let back = self.way_back(-own)?;
+            let slight = (self.x - self.other.point(back.element, back.weights)).length();
+            return (found.gap < 0.0 || slight < RIM * self.touching).then_some(back);
+        }
         if found.gap >= 0.0 {
-            return found;
+            return Some(found);
         }
         match self.last(way.element) {
-            Some(last) if found.normal.dot(last) < 0.5 => self.way_back(last).unwrap_or(found),
-            _ => found,
+            Some(last) if found.normal.dot(last) < 0.5 => self.way_back(last).or(Some(found)),
+            _ => Some(found),
         }
     }
 

@@ -32,7 +32,9 @@ impl Encounter {
         } else {
             0.0
         };
-        let margin = (4.0 * farthest + 100.0 * moved).max(least + farthest);
+        // Fast things would list whole bodies.
+        let more = (3.0 * farthest + 100.0 * moved).max(least).min(spacing);
+        let margin = farthest + more.max(moved);
         self.budget = margin;
         let origin = bodies[0].state.origin;
         let [a, b] = bodies.map(|Searched { state, outline }| {

@@ -5,9 +5,10 @@
 
 use crate::support::{bar, close, weightless};
 use crumple::prelude::*;
+use crumple::rapier3d::prelude::*;
 
 const N: usize = 50;
-const THICKNESS: f32 = 0.01;
+const THICKNESS: f32 = 0.009;
 
 /// Velocities of the centres of mass after a bar of 1 m/s has hit one at rest that is `ratio` times as long.
 fn collide(ratio: usize) -> [f64; 2] {
