@@ -2,19 +2,24 @@
 //! solver writes.
 
 pub mod blueprint;
+mod border;
 mod crossing;
 pub mod error;
 pub mod id;
 pub mod material;
 pub mod net;
+pub mod search;
 pub mod shape;
 pub mod state;
 pub mod surface;
+pub mod topology;
 
 pub use blueprint::Blueprint;
 pub use error::BuildError;
 pub use id::{NodeId, SpringId};
 pub use material::Material;
 pub use net::{Binding, Net, Node, Skin, Spring};
+pub use search::{Feature, SurfacePoint};
 pub use state::State;
 pub use surface::{Group, Surface};
+pub use topology::Topology;

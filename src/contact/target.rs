@@ -1,10 +1,13 @@
 //! Which colliders a deformable may touch, by Rapier's own rules, and how they are seen.
 
-use super::distance::Primitive;
+use super::form::{Form, Forms};
+use crate::body::state::State;
+use crate::law::row::softness;
 use crate::math::{DMat3, DQuat, DVec3, Real, Rotation};
+use crate::solve::rows::{Row, Terms};
 use crate::solve::shadow::Shadow;
 use rapier3d::dynamics::{CoefficientCombineRule, RigidBody, RigidBodyHandle, RigidBodySet};
-use rapier3d::geometry::{Collider, ColliderHandle, InteractionGroups};
+use rapier3d::geometry::{Collider, ColliderHandle, InteractionGroups, SharedShape};
 
 /// How a deformable's surface behaves in contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,7 +46,7 @@ impl Default for Surface {
 }
 
 /// A collider that a deformable may touch in this step.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Target {
     /// The collider.
     pub collider: ColliderHandle,
@@ -52,7 +55,9 @@ pub struct Target {
     /// Index of its shadow in the group.
     pub shadow: u32,
     /// Its shape.
-    pub shape: Primitive,
+    pub shape: SharedShape,
+    /// Its shape as contact sees it.
+    pub form: Form,
     /// Where its frame stands relative to the shadow: offset from the centre of mass, rotation.
     pub offset: DVec3,
     /// Rotation of the collider relative to its body.
@@ -81,6 +86,11 @@ pub struct Frame {
 }
 
 impl Frame {
+    /// Where a node stands in it \[m\].
+    pub fn to_local(&self, state: &State<Real>, node: u32) -> DVec3 {
+        self.axes.transpose() * (state.local(node as usize) + (state.origin - self.position))
+    }
+
     /// A bound on how far a point within `extent` m of the origin lies from where the other frame has it \[m\].
     pub fn distance(&self, other: &Self, extent: f64) -> f64 {
         let turned = (0..3)
@@ -117,13 +127,25 @@ impl Target {
         shadow.v.length() + turning
     }
 
-    /// Signed depth (positive inside) \[m\] and outward normal in the world of a point relative to the frame's origin.
-    #[inline]
-    pub fn depth(&self, frame: &Frame, relative: DVec3) -> (f64, DVec3) {
-        let (distance, n) = self
-            .shape
-            .signed_distance(frame.axes.transpose() * relative);
-        (self.skin - distance, frame.axes * n)
+    /// A row of this target in a substep of h s, its normal, depth and arm still to be filled in.
+    pub fn row(&self, terms: Terms, pair: u32, h: f64) -> Row {
+        Row {
+            terms,
+            shadow: self.shadow,
+            pair,
+            between: false,
+            normal: DVec3::ZERO,
+            depth: 0.0,
+            arm: DVec3::ZERO,
+            rigid_share: self.rigid_share,
+            friction: self.friction,
+            softness: self.stiffness.map_or(0.0, |k| softness(k, 0.0, h)),
+            drift: DVec3::ZERO,
+            carried: 0.0,
+            normal_impulse: 0.0,
+            friction_impulse: DVec3::ZERO,
+            mass: 0.0,
+        }
     }
 }
 
@@ -150,8 +172,9 @@ pub fn target(
     collider: &Collider,
     bodies: &RigidBodySet,
     surface: &Surface,
+    forms: &mut Forms,
 ) -> Option<Target> {
-    let shape = Primitive::of(collider.shape())?;
+    let form = forms.of(collider.shared_shape())?;
     let parent = collider.parent().and_then(|h| bodies.get(h));
     // A collider's own pose is stale after its body was teleported: its pose relative to the body is not.
     let (offset, turn) = match (parent, collider.position_wrt_parent()) {
@@ -176,7 +199,8 @@ pub fn target(
         collider: handle,
         body: parent.and(collider.parent()),
         shadow: 0,
-        shape,
+        form,
+        shape: collider.shared_shape().clone(),
         extent: offset.length()
             + f64::from(collider.shape().compute_local_bounding_sphere().radius),
         offset,

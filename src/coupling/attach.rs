@@ -1,7 +1,7 @@
 //! Attachments: nodes held at points of a rigid body, both ways, with a force one can read.
 
 use crate::body::state::State;
-use crate::contact::candidates::slot;
+use crate::contact::site::slot;
 use crate::math::{DVec3, Real};
 use crate::solve::rows::{Rows, Term, Tie};
 use crate::solve::shadow::Shadow;

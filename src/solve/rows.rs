@@ -38,7 +38,7 @@ pub struct Term {
 }
 
 /// Where the terms of a row stand.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Terms {
     first: u32,
     count: u32,
@@ -153,11 +153,16 @@ impl Rows {
 
     /// Adds the terms of a row: row nodes, weights, and what each takes of the impulse.
     pub fn add_terms(&mut self, terms: impl IntoIterator<Item = Term>) -> Terms {
-        let first = self.terms.len() as u32;
+        let first = self.terms.len();
         self.terms.extend(terms);
+        self.terms_since(first)
+    }
+
+    /// The terms that have been added since there were `first`.
+    pub fn terms_since(&self, first: usize) -> Terms {
         Terms {
-            first,
-            count: self.terms.len() as u32 - first,
+            first: first as u32,
+            count: (self.terms.len() - first) as u32,
         }
     }
 

@@ -75,6 +75,25 @@ impl DeformableWorld {
         self.attachments.remove(handle.0).is_some()
     }
 
+    /// Whether the handle is that of an attachment in this world.
+    pub fn contains_attachment(&self, handle: AttachmentHandle) -> bool {
+        self.attachments.contains(handle.0)
+    }
+
+    /// An attachment: what it holds, and where.
+    pub fn attachment(&self, handle: AttachmentHandle) -> Option<&Attachment<DeformableHandle>> {
+        self.attachments.get(handle.0)
+    }
+
+    /// All attachments, in the order of their slots.
+    pub fn attachments(
+        &self,
+    ) -> impl Iterator<Item = (AttachmentHandle, &Attachment<DeformableHandle>)> {
+        self.attachments
+            .iter()
+            .map(|(i, a)| (AttachmentHandle(i), a))
+    }
+
     /// Mean force \[N\] and torque about the centre of mass \[N·m\] that an attachment exerted on its rigid body in the
     /// last rigid step.
     pub fn attachment_force(&self, handle: AttachmentHandle) -> Option<(DVec3, DVec3)> {

@@ -3,7 +3,7 @@
 use super::Deformable;
 use super::params::Substeps;
 use crate::body::error::not_negative;
-use crate::body::{Blueprint, BuildError, Material, Net};
+use crate::body::{Blueprint, BuildError, Material, Net, Topology};
 use crate::contact::encounter::outline;
 use crate::contact::target::{Surface, wide_rotation};
 use crate::math::{DVec3, Pose, Real, Rotation, Vector, wide};
@@ -256,6 +256,7 @@ impl DeformableBuilder {
         let mut body = Deformable {
             slots: vec![u32::MAX; state.particles.len()],
             backup: state.clone(),
+            topology: Arc::new(Topology::of(&blueprint)),
             blueprint,
             state,
             solver,

@@ -2,7 +2,8 @@
 
 use super::motion::Start;
 use super::params::{DeformableParameters, Substeps};
-use crate::body::{Blueprint, NodeId, SpringId, State};
+use crate::body::search::tree::Cache;
+use crate::body::{Blueprint, NodeId, SpringId, State, Topology};
 use crate::contact::encounter::outline::Outline;
 use crate::contact::target::Surface;
 use crate::math::{DVec3, Real, Vector, narrow};
@@ -20,6 +21,7 @@ pub struct Deformable {
     pub(super) surface: Surface,
     /// Made when it first meets another deformable.
     pub(super) outline: Option<Box<Outline>>,
+    pub(super) topology: Arc<Topology>,
     pub(super) gravity_scale: Real,
     pub(super) integrator: Option<Integrator>,
     pub(super) substeps: Option<Substeps>,
@@ -45,6 +47,8 @@ pub struct Deformable {
     /// The work done until then.
     pub(super) work_backup: Work,
     pub(super) h: f64,
+    /// What queries remember until the nodes move.
+    pub(super) cache: Cache,
     /// Anything the user wants to keep with the body.
     pub user_data: u128,
 }

@@ -14,6 +14,7 @@ impl Deformable {
     pub(super) fn edit<T>(&mut self, change: impl FnOnce(&mut Self) -> T) -> T {
         let before = self.energies().balance();
         let result = change(self);
+        self.cache.forget();
         let after = self.energies().balance();
         self.solver.work.external += after - before;
         result

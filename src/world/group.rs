@@ -53,15 +53,18 @@ impl DeformableWorld {
         let search = Search::new(&self.known, parts, dt);
         reach::remember(&mut self.known, &search.strays, parts);
         let mut unsupported = std::mem::take(&mut self.report.unsupported);
+        let mut forms = std::mem::take(&mut self.forms);
+        forms.forget_unused();
         let reaches: Vec<Reach> = self
             .iter()
             .filter(|(_, body)| body.is_enabled())
             .map(|(handle, body)| Reach {
                 handle,
-                targets: reach::targets(body, &search, &mut unsupported),
+                targets: reach::targets(body, &search, &mut forms, &mut unsupported),
                 attachments: self.attachments_of(handle, parts),
             })
             .collect();
+        self.forms = forms;
         for &collider in &unsupported {
             if !self.warned.contains(&collider) {
                 self.warned.push(collider);

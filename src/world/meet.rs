@@ -3,18 +3,19 @@
 //! Boxes around the bodies, grown by how far they can go, stand in a tree that is refitted from step to step, so that a
 //! thousand bodies cost their neighbours and not their square.
 
-use super::group::{BodyKey, Reach};
+use super::group;
+use super::group::BodyKey;
 use super::observer::Partner;
 use super::reach::{Search, travel};
 use super::substep::{Group, Settings};
 use super::{Deformable, DeformableHandle, DeformableWorld};
-use crate::contact::candidates;
 use crate::contact::encounter::Encounter;
 use crate::contact::encounter::manners::{Manners, admit};
 use crate::contact::encounter::outline::Outline;
 use crate::contact::encounter::posed::Posed;
 use crate::contact::encounter::rows::Bodies;
 use crate::contact::encounter::search::Searched;
+use crate::contact::site::Reach;
 use crate::math::narrow;
 use crate::solve::rows::Rows;
 use rapier3d::geometry::Aabb;
@@ -80,7 +81,11 @@ impl Meetings {
 
 impl DeformableWorld {
     /// The pairs of bodies that may touch in the coming step.
-    pub(super) fn find_meetings(&mut self, reaches: &[Reach], search: &Search) -> Vec<Meeting> {
+    pub(super) fn find_meetings(
+        &mut self,
+        reaches: &[group::Reach],
+        search: &Search,
+    ) -> Vec<Meeting> {
         let mut meetings = std::mem::take(&mut self.meetings);
         let pairs = self.search_meetings(&mut meetings, reaches, search);
         self.meetings = meetings;
@@ -90,7 +95,7 @@ impl DeformableWorld {
     fn search_meetings(
         &self,
         meetings: &mut Meetings,
-        reaches: &[Reach],
+        reaches: &[group::Reach],
         search: &Search,
     ) -> Vec<Meeting> {
         let bodies: Vec<&Deformable> = reaches.iter().filter_map(|r| self.get(r.handle)).collect();
@@ -181,7 +186,7 @@ impl DeformableWorld {
     }
 }
 
-fn swept(reach: &Reach, body: &Deformable, search: &Search) -> Swept {
+fn swept(reach: &group::Reach, body: &Deformable, search: &Search) -> Swept {
     let mut speed = f64::from(body.max_speed_squared()).sqrt();
     if reach.targets.iter().any(|t| t.body.is_some()) {
         speed = speed.max(search.rigid_speed);
@@ -233,7 +238,7 @@ pub(super) fn find_rows(
         return;
     };
     let slack = h * s.length_unit;
-    let reach = candidates::Reach {
+    let reach = Reach {
         h,
         touching: s.touching,
         slack,

@@ -3,6 +3,9 @@
 mod attachment;
 mod budget;
 mod builder;
+mod debug;
+#[cfg(feature = "debug-render")]
+mod debug_backend;
 mod deformable;
 mod edit;
 mod energies;
@@ -13,14 +16,17 @@ mod motion;
 mod observer;
 mod params;
 mod parts;
+mod query;
 mod reach;
 mod report;
+mod settings;
 mod sleep;
 mod step;
 mod substep;
 
 pub use attachment::AttachError;
 pub use builder::{DeformableBuilder, IntoDeformable, IntoNet};
+pub use debug::{DebugStyle, rgba};
 pub use deformable::Deformable;
 pub use energies::Energies;
 pub use observer::{
@@ -28,11 +34,15 @@ pub use observer::{
 };
 pub use params::{DeformableParameters, Substeps};
 pub use parts::RapierParts;
+pub use query::{
+    DeformableFilter, DeformableOverlap, DeformableProjection, DeformableRayHit, RayHit,
+};
 pub use report::StepReport;
 
 use crate::body::BuildError;
 use crate::contact::candidates::Candidates;
 use crate::contact::encounter::Encounter;
+use crate::contact::form::Forms;
 use crate::coupling::attach::Attachment;
 use crate::coupling::memory::BodyMemory;
 use crate::math::Vector;
@@ -87,6 +97,8 @@ pub struct DeformableWorld {
     /// What pairs of deformables touched of each other in the last step.
     encounters: BTreeMap<(BodyKey, BodyKey), Encounter>,
     meetings: meet::Meetings,
+    /// The shapes met so far, as contact sees them.
+    forms: Forms,
     waiting: Vec<Waiting>,
     report: StepReport,
     time: f64,

@@ -19,6 +19,7 @@ pub(super) struct Start {
 impl Deformable {
     /// Fills the solver's forces from outside for the coming rigid step, and leads its kinematic nodes for `remaining` s.
     pub(super) fn prepare(&mut self, gravity: Vector, remaining: f64) {
+        self.cache.forget();
         let gravity = (gravity * self.gravity_scale).to_array();
         if gravity != self.solver.external.gravity {
             self.edit(|body| body.solver.external.gravity = gravity);
@@ -105,6 +106,7 @@ impl Deformable {
 
     /// Completes the substep.
     pub(super) fn finish(&mut self, h: f64) {
+        self.cache.forget();
         let integrator = self.integrator();
         let Self {
             solver,
@@ -117,6 +119,7 @@ impl Deformable {
 
     /// Ends a step of the world: led nodes stand at their targets, one-step forces are gone.
     pub(super) fn end_frame(&mut self) {
+        self.cache.forget();
         let led = std::mem::take(&mut self.led);
         if self.is_enabled() {
             for (node, target) in led {
@@ -137,6 +140,7 @@ impl Deformable {
 
     /// Back to the start of the rigid step: positions, velocities, what flowed and broke, and the work done.
     pub(super) fn go_back(&mut self) {
+        self.cache.forget();
         self.state.clone_from(&self.backup);
         self.solver.work = self.work_backup;
         self.solver.events.clear();

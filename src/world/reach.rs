@@ -6,6 +6,7 @@
 
 use super::report::note;
 use super::{Deformable, RapierParts};
+use crate::contact::form::Forms;
 use crate::contact::target::{Target, admits, target, wide_rotation};
 use crate::coupling::observe::velocity;
 use crate::math::{Pose, narrow, wide};
@@ -157,11 +158,12 @@ pub(super) fn for_each_in_reach(
 pub(super) fn targets(
     body: &Deformable,
     search: &Search,
+    forms: &mut Forms,
     unsupported: &mut Vec<ColliderHandle>,
 ) -> Vec<Target> {
     let mut targets = Vec::new();
     for_each_in_reach(body, search, |handle, collider, _| {
-        match target(handle, collider, search.parts.bodies, body.surface()) {
+        match target(handle, collider, search.parts.bodies, body.surface(), forms) {
             Some(t) => targets.push(t),
             None => note(unsupported, handle),
         }
@@ -174,10 +176,11 @@ pub(super) fn targets(
 pub(super) fn sleepers_in_the_way(
     body: &Deformable,
     search: &Search,
+    forms: &mut Forms,
     threshold: f64,
 ) -> Vec<RigidBodyHandle> {
     let mut found = Vec::new();
-    for target in targets(body, search, &mut Vec::new()) {
+    for target in targets(body, search, forms, &mut Vec::new()) {
         let Some((handle, rigid)) = target
             .body
             .and_then(|h| Some((h, search.parts.bodies.get(h)?)))
@@ -200,9 +203,11 @@ pub(super) fn sleepers_in_the_way(
             if v.length_squared() < threshold * threshold {
                 return false;
             }
-            let (depth, normal) = target.depth(&frame, body.state.position(i) - frame.position);
-            let closing = -v.dot(normal);
-            closing > threshold && depth + 1.5 * closing * search.dt > 0.0
+            let (distance, normal) = target
+                .form
+                .signed_distance(frame.to_local(&body.state, i as u32));
+            let closing = -v.dot(frame.axes * normal);
+            closing > threshold && distance < target.skin + 1.5 * closing * search.dt
         });
         if hit {
             found.push(handle);

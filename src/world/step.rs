@@ -8,7 +8,7 @@ use super::reach::Search;
 use super::report::{StepReport, note};
 use super::substep::{Group, NEAR, Settings};
 use super::{DeformableWorld, RapierParts, meet, reach};
-use crate::contact::distance::Primitive;
+use crate::contact::form::Form;
 use crate::coupling::handover;
 use crate::coupling::memory::BodyMemory;
 use rapier3d::dynamics::{IntegrationParameters, RigidBodyHandle};
@@ -138,8 +138,7 @@ impl DeformableWorld {
         let mut found = false;
         for (_, body) in self.iter().filter(|(_, b)| b.is_enabled()) {
             reach::for_each_in_reach(body, &search, |_, collider, _| {
-                found |= collider.parent().is_some_and(awake)
-                    && Primitive::of(collider.shape()).is_some();
+                found |= collider.parent().is_some_and(awake) && Form::takes(collider.shape());
             });
         }
         found || self.attachments.iter().any(|(_, a)| awake(a.body))

@@ -6,8 +6,9 @@ use super::observer::{
 };
 use super::{AttachmentHandle, Deformable, DeformableHandle, meet};
 use crate::body::SpringId;
-use crate::contact::candidates::{Candidates, Reach};
+use crate::contact::candidates::Candidates;
 use crate::contact::encounter::Encounter;
+use crate::contact::site::{Reach, Side, Site};
 use crate::coupling::attach::Attachment;
 use crate::coupling::observe::Answer;
 use crate::law::row::{pull_back, push_out};
@@ -170,15 +171,18 @@ impl Group {
                     slack,
                     farthest: s.touching + slack + 2.0 * moved,
                 };
-                c.refresh(&body.state, shadow, moved, reach.farthest.max(s.near));
-                c.add_rows(
-                    m,
-                    &body.state,
+                let site = Site {
+                    side: Side {
+                        body: m,
+                        state: &body.state,
+                        topology: &body.topology,
+                    },
                     shadow,
-                    &mut body.slots,
-                    &mut self.rows,
+                    slots: &mut body.slots,
+                    rows: &mut self.rows,
                     reach,
-                );
+                };
+                c.find_rows(site, moved, s.near);
             }
             for (i, a) in (0..).zip(&self.attachments).filter(|(_, a)| a.member == m) {
                 let shadow = (a.shadow, &self.shadows[a.shadow as usize]);

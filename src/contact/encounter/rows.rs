@@ -5,7 +5,7 @@ use super::edge;
 use super::node::{Found, Query};
 use super::posed::Posed;
 use super::touch::{Touch, Touches};
-use crate::contact::candidates::{Reach, slot};
+use crate::contact::site::{Reach, slot};
 use crate::law::row::softness;
 use crate::math::DVec3;
 use crate::solve::rows::{Row, Rows, Term};

@@ -2,10 +2,15 @@
 
 mod attach;
 mod bitwise;
+mod brute;
+mod debug;
 mod forces;
 mod handles;
 mod kinematic;
+mod overlaps;
+mod queries;
 mod rigid;
+mod settings;
 mod sleep;
 mod state;
 mod time;
