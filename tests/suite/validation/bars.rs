@@ -17,6 +17,7 @@ fn collide(ratio: usize) -> [f64; 2] {
     let h = 0.25 * dx / c;
     let mut world = weightless(h * 20.0);
     let mut deformables = DeformableWorld::default();
+    deformables.params.expected_dt = f64::from(h * 20.0);
     let mut insert = |n: usize, x: f32, v: f32| {
         let length = n as f32 * dx;
         let body = DeformableBuilder::new(bar(n, length, 1e4 / length, length))
@@ -29,7 +30,6 @@ fn collide(ratio: usize) -> [f64; 2] {
     };
     let first = insert(N, -1.0 - THICKNESS - 1e-4, 1.0);
     let second = insert(N * ratio, 0.0, 0.0);
-    deformables.params.expected_dt = f64::from(h * 20.0);
     let total = deformables[first].momentum() + deformables[second].momentum();
     for _ in 0..(0.1 / (h * 20.0)) as usize {
         deformables.step(&mut world);
