@@ -116,8 +116,7 @@ pub fn between_segments(a: [DVec3; 2], b: [DVec3; 2]) -> Option<[f64; 2]> {
     let (d, e, r) = (a[1] - a[0], b[1] - b[0], a[0] - b[0]);
     let (dd, ee, de) = (d.length_squared(), e.length_squared(), d.dot(e));
     let determinant = dd * ee - de * de;
-    // NaN must fail too.
-    if !(determinant > 1e-3 * dd * ee) {
+    if determinant.is_nan() || determinant <= 1e-3 * dd * ee {
         return None;
     }
     let (dr, er) = (d.dot(r), e.dot(r));

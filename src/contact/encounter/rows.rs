@@ -194,8 +194,7 @@ impl Encounter {
     ) {
         let Draft { touch, depth, .. } = draft;
         let closing = draft.velocity(bodies).length();
-        // Written so that a depth that is NaN gives no row.
-        if !(depth >= -(reach.touching + 2.0 * reach.h * closing + reach.slack)) {
+        if depth.is_nan() || depth < -reach.at(closing) {
             return;
         }
         let used = draft.terms.into_iter().filter(|t| t.2 != 0.0);
