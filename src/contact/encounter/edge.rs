@@ -8,7 +8,7 @@ use super::outline::NONE;
 use super::posed::Posed;
 use crate::math::DVec3;
 
-/// Edges that bend by less than this (1.5°) are flat [rad].
+/// Edges that bend by less than this (1.5°) are flat \[rad\].
 const FLAT: f64 = 0.026;
 
 /// How far a normal may lean over a face beside its edge, as a sine.
