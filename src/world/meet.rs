@@ -29,6 +29,10 @@ pub(super) type Meeting = [usize; 2];
 /// one would be stopped by the wrong one.
 const STRIDE: f64 = 0.5;
 
+/// The most substeps that encounters ask for in a stretch. A body that explodes is soon faster than anything, and is to
+/// be frozen, not to be followed.
+const MOST: f64 = 256.0;
+
 /// The boxes of all bodies that took part in the last step, by slot.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Meetings {
@@ -211,8 +215,7 @@ pub(super) fn substeps(group: &Group, dt: f64) -> usize {
         let spacing = |b: &Deformable| b.outline.as_ref().map_or(f64::INFINITY, |o| o.spacing);
         let stride = STRIDE * spacing(a).min(spacing(b));
         let n = (dt * (speed(a) + speed(b)) / stride).ceil();
-        // Not for NaN, and never more than springs could ask for.
-        n.min(1e6) as usize
+        n.min(MOST) as usize
     });
     wanted.max().unwrap_or(1)
 }
