@@ -167,6 +167,10 @@ fn write_channels(run: &Run, out: &Path) -> Result<(), Failure> {
             let mut rigid = run.cast.rigid.iter();
             rigid.find(|r| r.2 == c).map(|r| r.0.clone())
         }
+        Interface::Deformable(d) => {
+            let mut all = run.cast.deformables.iter();
+            all.find(|(_, h)| *h == d).map(|(n, _)| n.clone())
+        }
         Interface::Attachment(a) => {
             let mut all = run.cast.attachments.iter();
             all.find(|(_, h)| *h == a).map(|(n, _)| n.clone())

@@ -1,8 +1,9 @@
 //! Contact of deformables with Rapier's colliders: which colliders can be met, how far a point is from each, and the rows
-//! that follow.
+//! that follow. And contact of deformables with each other.
 
 pub mod candidates;
 pub mod distance;
+pub mod encounter;
 pub mod feature;
 pub mod form;
 pub mod nodes;

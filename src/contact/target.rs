@@ -16,12 +16,14 @@ pub struct Surface {
     pub friction: Real,
     /// How it combines with the collider's; the stronger rule wins, as everywhere in Rapier.
     pub friction_combine_rule: CoefficientCombineRule,
-    /// Which colliders it meets.
+    /// Which colliders and other deformables it meets; groups that don't agree switch contact off.
     pub collision_groups: InteractionGroups,
-    /// Which colliders push back; those of no agreement are only noticed.
+    /// Which colliders and other deformables push back; those of no agreement are only noticed.
     pub solver_groups: InteractionGroups,
     /// Distance kept between the middle of the surface and what touches it, doubled \[m\]: the thickness of a sheet, the
-    /// diameter of a rope.
+    /// diameter of a rope. Half the shortest edge at rest is the most that `build` takes. 0, the default, is no thickness
+    /// against colliders and for solids. Two deformables that pass through each other's middle can't be told from two
+    /// that do not, so against deformables sheets and ropes of thickness 0 have a tenth of their shortest edge.
     pub thickness: Real,
     /// Stiffness of its contacts \[N/m\] per node; `None`, the default, for contacts that do not give.
     pub stiffness: Option<Real>,
@@ -139,6 +141,7 @@ impl Target {
             friction: self.friction,
             softness: self.stiffness.map_or(0.0, |k| softness(k, 0.0, h)),
             drift: DVec3::ZERO,
+            carried: 0.0,
             normal_impulse: 0.0,
             friction_impulse: DVec3::ZERO,
             mass: 0.0,

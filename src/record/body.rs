@@ -108,7 +108,7 @@ impl BodyRecord {
         self.edges.push(s.time);
         let own = self.deformable;
         for pair in s.contacts.iter().filter(|p| p.deformable == own) {
-            let interface = Interface::Collider(pair.collider);
+            let interface = Interface::from(pair.partner);
             if pair.touching > 0 || pair.depth > 0.0 {
                 let channel = self.channel(interface);
                 channel.add(index, pair.impulse, s.time);

@@ -78,6 +78,8 @@ pub struct Row {
     pub softness: f64,
     /// How far the point has slipped from where friction took hold of it \[m\].
     pub drift: DVec3,
+    /// Normal impulse of earlier substeps that friction has not answered yet \[N·s\].
+    pub carried: f64,
     /// Accumulated normal impulse \[N·s\].
     pub normal_impulse: f64,
     /// Accumulated friction impulse \[N·s\].
@@ -92,10 +94,15 @@ impl Row {
         self.normal * self.normal_impulse + self.friction_impulse
     }
 
+    /// The most that friction can do \[N·s\].
+    pub fn friction_limit(&self) -> f64 {
+        self.friction * (self.normal_impulse + self.carried)
+    }
+
     /// Whether friction holds the point: it is pressed on, and not at the limit of its cone.
     pub fn sticks(&self) -> bool {
         self.normal_impulse > 0.0
-            && self.friction_impulse.length() < self.friction * self.normal_impulse * (1.0 - 1e-9)
+            && self.friction_impulse.length() < self.friction_limit() * (1.0 - 1e-9)
     }
 }
 
@@ -311,7 +318,8 @@ impl Points<'_> {
             self.push(row.terms, along);
             shadow.push(row.arm, -along * row.rigid_share);
 
-            if row.friction > 0.0 && (jn > 0.0 || row.friction_impulse != DVec3::ZERO) {
+            let limit = row.friction_limit();
+            if limit > 0.0 || row.friction_impulse != DVec3::ZERO {
                 let relative = self.velocity(row.terms) - shadow.velocity_at(row.arm);
                 let slip = relative - row.normal * relative.dot(row.normal);
                 let speed = slip.length();
@@ -319,7 +327,7 @@ impl Points<'_> {
                     let k = self.response(row.terms)
                         + row.rigid_share * shadow.response(row.arm, slip / speed);
                     let mass = if k > 0.0 { 1.0 / k } else { 0.0 };
-                    let jt = friction_impulse(row.friction_impulse, slip, mass, row.friction * jn);
+                    let jt = friction_impulse(row.friction_impulse, slip, mass, limit);
                     let change = jt - row.friction_impulse;
                     changed |= self.differs(change.length(), jn);
                     row.friction_impulse = jt;
@@ -385,6 +393,7 @@ mod tests {
             friction,
             softness: 0.0,
             drift: DVec3::ZERO,
+            carried: 0.0,
             normal_impulse: 0.0,
             friction_impulse: DVec3::ZERO,
             mass: 0.0,

@@ -4,6 +4,7 @@ use super::Deformable;
 use super::params::Substeps;
 use crate::body::error::not_negative;
 use crate::body::{Blueprint, BuildError, Material, Net, Topology};
+use crate::contact::encounter::outline;
 use crate::contact::target::{Surface, wide_rotation};
 use crate::math::{DVec3, Pose, Real, Rotation, Vector, wide};
 use crate::solve::external::ForceField;
@@ -128,7 +129,13 @@ impl DeformableBuilder {
         self
     }
 
-    /// Which colliders it meets.
+    /// Distance that its surface and what touches it keep, doubled \[m\], see [`Surface::thickness`].
+    pub fn thickness(mut self, thickness: Real) -> Self {
+        self.surface.thickness = thickness;
+        self
+    }
+
+    /// Which colliders and other deformables it meets.
     pub fn collision_groups(mut self, groups: InteractionGroups) -> Self {
         self.surface.collision_groups = groups;
         self
@@ -227,6 +234,11 @@ impl DeformableBuilder {
                 .or(material)
         };
         let blueprint = Blueprint::resolve(self.net?, material_at, self.total_mass)?;
+        let thickness = not_negative("the thickness", self.surface.thickness.into())?;
+        let limit = 0.5 * outline::spacing(&blueprint);
+        if thickness > limit {
+            return Err(BuildError::TooThick { thickness, limit });
+        }
         let mut state = blueprint.rest_state();
         let (turn, shift) = (
             wide_rotation(self.pose.rotation),

@@ -4,6 +4,7 @@ use super::motion::Start;
 use super::params::{DeformableParameters, Substeps};
 use crate::body::search::tree::Cache;
 use crate::body::{Blueprint, NodeId, SpringId, State, Topology};
+use crate::contact::encounter::outline::Outline;
 use crate::contact::target::Surface;
 use crate::math::{DVec3, Real, Vector, narrow};
 use crate::solve::external::ForceField;
@@ -18,6 +19,8 @@ pub struct Deformable {
     pub(super) state: State<Real>,
     pub(super) solver: Solver<Real>,
     pub(super) surface: Surface,
+    /// Made when it first meets another deformable.
+    pub(super) outline: Option<Box<Outline>>,
     pub(super) topology: Arc<Topology>,
     pub(super) gravity_scale: Real,
     pub(super) integrator: Option<Integrator>,

@@ -25,7 +25,8 @@ impl Deformable {
         self.enabled = enabled;
     }
 
-    /// Friction and collision groups.
+    /// Friction, collision groups and thickness. Nothing is checked here: a thickness above what `build` takes is used as it
+    /// is.
     pub fn surface_mut(&mut self) -> &mut Surface {
         &mut self.surface
     }

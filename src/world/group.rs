@@ -1,5 +1,7 @@
 //! Groups: deformables that touch or are attached to the same moving body share their substeps and their rows.
 
+use super::meet::Meeting;
+use super::observer::Partner;
 use super::reach::Search;
 use super::report::StepReport;
 use super::substep::{Group, NEAR};
@@ -37,9 +39,9 @@ pub(super) struct Waiting {
 pub(super) type BodyKey = (u32, u32);
 
 /// What one deformable can meet in this step.
-struct Reach {
-    handle: DeformableHandle,
-    targets: Vec<Target>,
+pub(super) struct Reach {
+    pub handle: DeformableHandle,
+    pub targets: Vec<Target>,
     attachments: Vec<AttachmentHandle>,
 }
 
@@ -74,7 +76,9 @@ impl DeformableWorld {
             }
         }
         self.report.unsupported = unsupported;
-        let group_of = self.join(&reaches, parts);
+        let meetings = self.find_meetings(&reaches, &search);
+        let group_of = self.join(&reaches, &meetings, parts);
+        let handles: Vec<DeformableHandle> = reaches.iter().map(|r| r.handle).collect();
         let mut kept = std::mem::take(&mut self.contacts);
         let far = 0.01 * parts.length_unit();
         let mut groups: BTreeMap<usize, Group> = BTreeMap::new();
@@ -91,7 +95,7 @@ impl DeformableWorld {
             let mut candidates = Vec::new();
             for mut target in reach.targets {
                 target.shadow = shadow_of(group, target.body, &mut self.memory, &around, dt);
-                let pair = group.add_pair(member, target.collider);
+                let pair = group.add_pair(member, Partner::Collider(target.collider));
                 let key = (reach.handle.key(), target.collider.into_raw_parts());
                 candidates.push(match kept.remove(&key) {
                     None => Candidates::new(target, pair, spacing),
@@ -123,11 +127,12 @@ impl DeformableWorld {
             };
             group.add_attachment(member, other, shadow, handle, bond.clone());
         }
+        self.resume_encounters(&mut groups, &group_of, &handles, &meetings);
         groups.into_values().collect()
     }
 
-    /// The smallest member index of the group of each deformable: those sharing a dynamic body are joined.
-    fn join(&self, reaches: &[Reach], parts: &RapierParts) -> Vec<usize> {
+    /// The smallest member index of the group of each deformable: those that meet or share a dynamic body are joined.
+    fn join(&self, reaches: &[Reach], meetings: &[Meeting], parts: &RapierParts) -> Vec<usize> {
         let mut parent: Vec<usize> = (0..reaches.len()).collect();
         fn root(parent: &[usize], mut i: usize) -> usize {
             while parent[i] != i {
@@ -161,6 +166,10 @@ impl DeformableWorld {
                 }
             }
         }
+        for meeting in meetings {
+            let [a, b] = meeting.map(|i| root(&parent, i));
+            parent[a.max(b)] = a.min(b);
+        }
         (0..reaches.len()).map(|i| root(&parent, i)).collect()
     }
 
@@ -184,12 +193,13 @@ impl DeformableWorld {
     }
 
     /// Puts the members of a group back and keeps what its rigid bodies wait for.
-    pub(super) fn dissolve(&mut self, group: Group, parts: &mut RapierParts, dt: f64) {
+    pub(super) fn dissolve(&mut self, mut group: Group, parts: &mut RapierParts, dt: f64) {
         let finite = group
             .shadows
             .iter()
             .all(|s| s.impulse.is_finite() && s.torque.is_finite());
         let near = group.near_bodies(NEAR * parts.length_unit());
+        self.pause_encounters(&mut group);
         for ((handle, body), candidates) in group.members.iter().zip(group.candidates) {
             for mut c in candidates {
                 c.pause(&group.shadows[c.target.shadow as usize], body.edits);

@@ -12,6 +12,7 @@ mod edit;
 mod energies;
 mod group;
 mod kinematic;
+mod meet;
 mod motion;
 mod observer;
 mod params;
@@ -32,8 +33,8 @@ pub use debug::{DebugStyle, rgba};
 pub use deformable::Deformable;
 pub use energies::Energies;
 pub use observer::{
-    AttachmentBroke, AttachmentImpulse, Observer, PairImpulse, SpringEvent, SpringEventKind,
-    Substep,
+    AttachmentBroke, AttachmentImpulse, Observer, PairImpulse, Partner, SpringEvent,
+    SpringEventKind, Substep,
 };
 pub use params::{DeformableParameters, Substeps};
 pub use parts::RapierParts;
@@ -44,6 +45,7 @@ pub use report::StepReport;
 
 use crate::body::BuildError;
 use crate::contact::candidates::Candidates;
+use crate::contact::encounter::Encounter;
 use crate::contact::form::Forms;
 use crate::coupling::memory::{BodyMemory, Response};
 use crate::math::Vector;
@@ -95,6 +97,9 @@ pub struct DeformableWorld {
     memory: BTreeMap<BodyKey, BodyMemory>,
     /// What each deformable touched of each collider in the last step.
     contacts: BTreeMap<((u32, u32), BodyKey), Candidates>,
+    /// What pairs of deformables touched of each other in the last step.
+    encounters: BTreeMap<(BodyKey, BodyKey), Encounter>,
+    meetings: meet::Meetings,
     /// The shapes met so far, as contact sees them.
     forms: Forms,
     waiting: Vec<Waiting>,

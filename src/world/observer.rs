@@ -31,24 +31,34 @@ pub struct Substep<'a> {
     pub h: f64,
     /// The deformables of the group.
     pub deformables: &'a [(DeformableHandle, Box<Deformable>)],
-    /// Every pair of deformable and collider that is near, touching or not.
+    /// Every pair of deformable and partner that is near, touching or not. Two deformables are two pairs, one seen from
+    /// each.
     pub contacts: &'a [PairImpulse],
     /// What each attachment transmitted.
     pub attachments: &'a [AttachmentImpulse],
 }
 
-/// What one collider did to one deformable in a substep.
+/// What a deformable is in contact with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Partner {
+    /// A collider.
+    Collider(ColliderHandle),
+    /// Another deformable.
+    Deformable(DeformableHandle),
+}
+
+/// What one partner did to one deformable in a substep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairImpulse {
     /// The deformable.
     pub deformable: DeformableHandle,
-    /// The collider.
-    pub collider: ColliderHandle,
+    /// What it touches.
+    pub partner: Partner,
     /// Impulse on the deformable \[N·s\].
     pub impulse: DVec3,
-    /// Deepest node \[m\], 0 when none is inside.
+    /// Deepest point \[m\], 0 when none is inside.
     pub depth: f64,
-    /// Nodes that received an impulse.
+    /// Points that received an impulse.
     pub touching: u32,
 }
 

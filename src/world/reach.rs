@@ -18,7 +18,7 @@ use rapier3d::parry::query::DefaultQueryDispatcher;
 use rapier3d::pipeline::QueryFilter;
 
 /// Distance a body may cover in `dt` s, and a margin \[m\].
-fn travel(speed: f64, dt: f64, parts: &RapierParts) -> f64 {
+pub(super) fn travel(speed: f64, dt: f64, parts: &RapierParts) -> f64 {
     let fall = f64::from(parts.gravity.length()) * dt * dt;
     (speed * dt + fall) * 1.5 + 0.05 * parts.length_unit()
 }

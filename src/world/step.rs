@@ -7,7 +7,7 @@ use super::observer::Observer;
 use super::reach::Search;
 use super::report::{StepReport, note};
 use super::substep::{Group, NEAR, Settings};
-use super::{DeformableWorld, RapierParts, reach};
+use super::{DeformableWorld, RapierParts, meet, reach};
 use crate::contact::form::Form;
 use crate::coupling::handover;
 use crate::coupling::memory::BodyMemory;
@@ -225,7 +225,7 @@ impl DeformableWorld {
     }
 
     fn group_substeps(&mut self, group: &Group, dt: f64, frame: f64) -> usize {
-        let mut most = 1;
+        let mut most = meet::substeps(group, dt).max(1);
         for (handle, body) in &group.members {
             let (n, unstable) = body.substeps_for(dt, frame);
             most = most.max(n);

@@ -2,12 +2,13 @@
 
 use super::group::Touched;
 use super::observer::{
-    AttachmentImpulse, Observer, PairImpulse, SpringEvent, SpringEventKind, Substep,
+    AttachmentImpulse, Observer, PairImpulse, Partner, SpringEvent, SpringEventKind, Substep,
 };
 use super::ties::Attached;
-use super::{Deformable, DeformableHandle};
+use super::{Deformable, DeformableHandle, meet};
 use crate::body::SpringId;
 use crate::contact::candidates::Candidates;
+use crate::contact::encounter::Encounter;
 use crate::contact::site::{Reach, Side, Site};
 use crate::coupling::observe::Answer;
 use crate::law::row::{pull_back, push_out};
@@ -15,7 +16,6 @@ use crate::math::DVec3;
 use crate::solve::rows::{RowNode, Rows, Term, Terms};
 use crate::solve::shadow::Shadow;
 use crate::solve::work::Work;
-use rapier3d::geometry::ColliderHandle;
 
 /// Deformables that share substeps and rows, and the shadows of what they can touch.
 #[derive(Debug)]
@@ -23,6 +23,8 @@ pub(super) struct Group {
     pub members: Vec<(DeformableHandle, Box<Deformable>)>,
     /// Per member, sorted by collider.
     pub candidates: Vec<Vec<Candidates>>,
+    /// Pairs of members that may touch, sorted.
+    pub encounters: Vec<Encounter>,
     /// The first is the fixed world, the others belong to `touched`.
     pub shadows: Vec<Shadow>,
     pub touched: Vec<Touched>,
@@ -54,6 +56,7 @@ impl Group {
         Self {
             members: Vec::new(),
             candidates: Vec::new(),
+            encounters: Vec::new(),
             shadows: vec![Shadow::FIXED],
             touched: Vec::new(),
             attachments: Vec::new(),
@@ -63,10 +66,10 @@ impl Group {
         }
     }
 
-    pub fn add_pair(&mut self, member: usize, collider: ColliderHandle) -> u32 {
+    pub fn add_pair(&mut self, member: usize, partner: Partner) -> u32 {
         self.pairs.push(PairImpulse {
             deformable: self.members[member].0,
-            collider,
+            partner,
             impulse: DVec3::ZERO,
             depth: 0.0,
             touching: 0,
@@ -149,6 +152,9 @@ impl Group {
                 c.find_rows(site, moved, s.near);
             }
         }
+        for encounter in &mut self.encounters {
+            meet::find_rows(encounter, &mut self.members, &mut self.rows, h, s);
+        }
         self.find_ties(h);
     }
 
@@ -164,6 +170,9 @@ impl Group {
     fn remember(&mut self, s: &Settings) {
         for c in self.candidates.iter_mut().flatten() {
             c.remember(&self.rows, s.touching);
+        }
+        for e in &mut self.encounters {
+            e.remember(&self.rows, s.touching);
         }
     }
 
@@ -245,10 +254,16 @@ impl Group {
                 work.contact_friction -= term.share * row.friction_impulse.dot(mean - meeting);
                 work.rigid += term.share * impulse.dot(meeting);
             }
-            let pair = &mut self.pairs[row.pair as usize];
-            pair.impulse += impulse;
-            pair.depth = pair.depth.max(row.depth);
-            pair.touching += u32::from(row.normal_impulse > 0.0);
+            let pair = row.pair as usize;
+            // Two deformables are two pairs, the second with the impulse on the other one.
+            let pairs = &mut self.pairs[pair..=pair + usize::from(row.between)];
+            for (pair, sign) in pairs.iter_mut().zip([1.0, -1.0]) {
+                let of_this = |t: &&Term| t.weight * sign > 0.0;
+                let share: f64 = terms.iter().filter(of_this).map(|t| t.share).sum();
+                pair.impulse += impulse * share;
+                pair.depth = pair.depth.max(row.depth);
+                pair.touching += u32::from(row.normal_impulse > 0.0);
+            }
         }
     }
 

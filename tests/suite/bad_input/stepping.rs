@@ -148,6 +148,12 @@ fn an_explosion_reaches_no_rigid_body_as_nan() {
         let other = deformables
             .insert(cube(0.3).translation(Vector::new(-3.0, 0.15, 0.0)))
             .unwrap();
+        // Debris at 1e7 m/s would hit the other body, which is contact and not what is tested here.
+        deformables[bomb].surface_mut().collision_groups.filter = !Group::GROUP_2;
+        deformables[other]
+            .surface_mut()
+            .collision_groups
+            .memberships = Group::GROUP_2;
         let (mut unstable, mut frozen) = (false, false);
         for _ in 0..60 {
             deformables.step(&mut world);

@@ -5,6 +5,7 @@ mod attached;
 mod carried;
 mod impact;
 mod rest;
+mod soft;
 mod stick;
 
 use crumple::prelude::*;

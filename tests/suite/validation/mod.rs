@@ -1,5 +1,6 @@
 //! Closed forms and discrete references.
 
+mod bars;
 mod chains;
 mod cloth;
 mod crash;
