@@ -10,6 +10,7 @@ mod deformable;
 mod edit;
 mod energies;
 mod group;
+mod hooks;
 mod kinematic;
 mod motion;
 mod observer;
@@ -18,18 +19,22 @@ mod parts;
 mod query;
 mod reach;
 mod report;
+mod sense;
 mod settings;
 mod sleep;
 mod step;
 mod substep;
+mod touch;
 
 pub use attachment::AttachError;
 pub use builder::{DeformableBuilder, IntoDeformable, IntoNet};
 pub use debug::{DebugStyle, rgba};
 pub use deformable::Deformable;
 pub use energies::Energies;
+pub use hooks::{DeformableHooks, PairContext};
 pub use observer::{
-    AttachmentImpulse, Observer, PairImpulse, SpringEvent, SpringEventKind, Substep,
+    AttachmentImpulse, NodeImpulse, Observer, PairImpulse, Partner, SpringEvent, SpringEventKind,
+    Substep,
 };
 pub use params::{DeformableParameters, Substeps};
 pub use parts::RapierParts;
@@ -37,6 +42,7 @@ pub use query::{
     DeformableFilter, DeformableOverlap, DeformableProjection, DeformableRayHit, RayHit,
 };
 pub use report::StepReport;
+pub use touch::{PairContact, TouchEvent, TouchEventKind};
 
 use crate::body::BuildError;
 use crate::contact::candidates::Candidates;
@@ -107,6 +113,11 @@ pub struct DeformableWorld {
     half_done: Option<f64>,
     /// What Rapier's BVH knows.
     known: reach::Known,
+    /// Who touches whom.
+    touches: BTreeMap<touch::TouchKey, touch::Touch>,
+    /// What is to be looked at after the Rapier step under way.
+    sensing: Vec<sense::Sensing>,
+    gate: hooks::Gate,
 }
 
 impl DeformableWorld {

@@ -2,10 +2,12 @@
 
 use super::group::Touched;
 use super::observer::{
-    AttachmentImpulse, Observer, PairImpulse, SpringEvent, SpringEventKind, Substep,
+    AttachmentImpulse, NodeImpulse, Observer, PairImpulse, Partner, SpringEvent, SpringEventKind,
+    Substep,
 };
+use super::touch::PairSum;
 use super::{AttachmentHandle, Deformable, DeformableHandle};
-use crate::body::SpringId;
+use crate::body::{NodeId, SpringId};
 use crate::contact::candidates::Candidates;
 use crate::contact::site::{Reach, Side, Site};
 use crate::coupling::attach::Attachment;
@@ -40,6 +42,10 @@ pub(super) struct Group {
     pub touched: Vec<Touched>,
     pub attachments: Vec<Attached>,
     pairs: Vec<PairImpulse>,
+    /// What pairs add up over the substeps.
+    sums: Vec<PairSum>,
+    /// What nodes got in the substep under way, if that is wanted.
+    node_impulses: Option<Vec<NodeImpulse>>,
     tied: Vec<AttachmentImpulse>,
     rows: Rows,
 }
@@ -70,6 +76,8 @@ impl Group {
             touched: Vec::new(),
             attachments: Vec::new(),
             pairs: Vec::new(),
+            sums: Vec::new(),
+            node_impulses: None,
             tied: Vec::new(),
             rows: Rows::default(),
         }
@@ -83,6 +91,7 @@ impl Group {
             depth: 0.0,
             touching: 0,
         });
+        self.sums.push(PairSum::default());
         self.pairs.len() as u32 - 1
     }
 
@@ -106,6 +115,16 @@ impl Group {
             impulse: DVec3::ZERO,
             torque: DVec3::ZERO,
         });
+    }
+
+    /// What each pair has done in this rigid step.
+    pub fn pair_sums(&self) -> impl Iterator<Item = (&PairImpulse, &PairSum)> {
+        self.pairs.iter().zip(&self.sums)
+    }
+
+    /// After a step that went wrong, nothing counts as touched.
+    pub fn forget_touches(&mut self) {
+        self.sums.fill(PairSum::default());
     }
 
     /// Brings the velocities of shadows to the instants of the group's substeps.
@@ -137,6 +156,7 @@ impl Group {
         self.remember(s);
         self.write_velocities(h);
         self.push_out(h, s);
+        self.list_node_impulses(observer.wants_node_impulses());
         self.book_work();
         for (_, body) in &mut self.members {
             body.finish(h);
@@ -284,6 +304,10 @@ impl Group {
             pair.impulse += impulse;
             pair.depth = pair.depth.max(row.depth);
             pair.touching += u32::from(row.normal_impulse > 0.0);
+            if row.normal_impulse > 0.0 {
+                let point = point(&self.members, &self.rows.nodes, terms);
+                self.sums[row.pair as usize].add_row(point, row.normal, row.normal_impulse);
+            }
         }
         for tie in &self.rows.ties {
             for term in self.rows.terms_of(tie.terms) {
@@ -296,6 +320,32 @@ impl Group {
             attached.impulse -= tie.impulse;
             attached.torque -= tie.arm.cross(tie.impulse);
             self.tied[tie.attachment as usize].impulse += tie.impulse;
+        }
+    }
+
+    /// What each node got of each row.
+    fn list_node_impulses(&mut self, wanted: bool) {
+        if !wanted {
+            self.node_impulses = None;
+            return;
+        }
+        let list = self.node_impulses.get_or_insert_default();
+        list.clear();
+        for row in &self.rows.contacts {
+            let impulse = row.impulse();
+            if impulse == DVec3::ZERO {
+                continue;
+            }
+            let partner = Partner::Collider(self.pairs[row.pair as usize].collider);
+            list.extend(self.rows.terms_of(row.terms).iter().map(|term| {
+                let node = &self.rows.nodes[term.node as usize];
+                NodeImpulse {
+                    deformable: self.members[node.body as usize].0,
+                    node: NodeId(node.node),
+                    partner,
+                    impulse: impulse * term.share,
+                }
+            }));
         }
     }
 
@@ -354,8 +404,10 @@ impl Group {
             deformables: &self.members,
             contacts: &self.pairs,
             attachments: &self.tied,
+            node_impulses: self.node_impulses.as_deref().unwrap_or_default(),
         });
-        for pair in &mut self.pairs {
+        for (pair, sum) in self.pairs.iter_mut().zip(&mut self.sums) {
+            sum.add(pair, h);
             (pair.impulse, pair.depth, pair.touching) = (DVec3::ZERO, 0.0, 0);
         }
         for tied in &mut self.tied {
@@ -416,6 +468,16 @@ fn displace(members: &mut Members, nodes: &[RowNode], terms: &[Term], by: DVec3)
         lost -= by.cross(body.state.velocity(i) * mass);
     }
     lost
+}
+
+/// Where a row acts on its first body \[m\].
+fn point(members: &Members, nodes: &[RowNode], terms: &[Term]) -> DVec3 {
+    let place = |t: &Term| {
+        let node = &nodes[t.node as usize];
+        let body = &members[node.body as usize].1;
+        body.state.position(node.node as usize) * t.weight.max(0.0)
+    };
+    terms.iter().map(place).sum()
 }
 
 /// Leapfrog velocities stand at half substeps: the trapezoid of the displacements before and after the impulse. The other
