@@ -154,6 +154,8 @@ impl EventHandler for Heard {
         self.0.lock().unwrap().push(format!("{event:?}"));
     }
 
+    fn handle_soft_body_tear_event(&self, _: &SoftBodySet, _: &SoftBodyTearEvent) {}
+
     fn handle_contact_force_event(
         &self,
         dt: Real,
