@@ -52,11 +52,14 @@ impl<F: Fn(&PairContext) -> bool + Send + Sync> DeformableHooks for F {
     }
 }
 
+/// The deformable and the collider of a question.
+type Asked = ((u32, u32), (u32, u32));
+
 /// The hooks, and their answers in the Rapier step under way.
 #[derive(Clone, Default)]
 pub(super) struct Gate {
     hooks: Option<Arc<dyn DeformableHooks>>,
-    answers: BTreeMap<((u32, u32), (u32, u32)), bool>,
+    answers: BTreeMap<Asked, bool>,
 }
 
 impl std::fmt::Debug for Gate {
