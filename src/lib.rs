@@ -37,9 +37,10 @@ pub mod prelude {
     pub use crate::solve::Integrator;
     pub use crate::world::{
         AttachTo, Attachment, AttachmentHandle, Deformable, DeformableBuilder, DeformableFilter,
-        DeformableHandle, DeformableOverlap, DeformableParameters, DeformableProjection,
-        DeformableRayHit, DeformableWorld, Observer, RapierParts, RayHit, SpringEvent,
-        SpringEventKind, Substep, Substeps,
+        DeformableHandle, DeformableHooks, DeformableOverlap, DeformableParameters,
+        DeformableProjection, DeformableRayHit, DeformableWorld, NodeImpulse, Observer,
+        PairContact, PairContext, Partner, RapierParts, RayHit, SpringEvent, SpringEventKind,
+        Substep, Substeps, TouchEvent, TouchEventKind,
     };
 }
 

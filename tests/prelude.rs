@@ -17,6 +17,12 @@ impl Observer for Blind {
             SpringEventKind::YieldBegan | SpringEventKind::Broke
         ));
     }
+
+    fn touch_event(&mut self, event: &TouchEvent) {
+        assert!(event.kind == TouchEventKind::Started);
+        let contact: PairContact = event.contact;
+        assert!(matches!(contact.partner, Partner::Collider(_)));
+    }
 }
 
 #[test]
@@ -51,6 +57,15 @@ fn both_preludes_make_a_program() -> Result<(), BuildError> {
         f?.check()?;
     }
     assert!(filled(&Default::default(), 0.1).is_err());
+    struct Open;
+    impl DeformableHooks for Open {
+        fn filter(&self, _: &PairContext) -> bool {
+            true
+        }
+    }
+    deformables.set_hooks(std::sync::Arc::new(Open));
+    let none: &[NodeImpulse] = &[];
+    assert!(none.is_empty());
     for _ in 0..3 {
         deformables.step_with(&mut world, &(), &(), &mut Blind);
     }

@@ -29,6 +29,9 @@ pub struct Surface {
     pub stiffness: Option<Real>,
     /// Bodies of a higher group push those of a lower one and feel nothing, as in Rapier; -127 to 127.
     pub dominance_group: i8,
+    /// Mean force of a collider over a step above which an event tells of it \[N\]; `None`, the default, for no such
+    /// events.
+    pub contact_force_event_threshold: Option<Real>,
 }
 
 impl Default for Surface {
@@ -41,6 +44,7 @@ impl Default for Surface {
             thickness: 0.0,
             stiffness: None,
             dominance_group: 0,
+            contact_force_event_threshold: None,
         }
     }
 }
@@ -154,16 +158,19 @@ pub fn wide_rotation(r: Rotation) -> DQuat {
     DQuat::from_xyzw(r.x.into(), r.y.into(), r.z.into(), r.w.into()).normalize()
 }
 
-/// Whether Rapier's rules let a deformable touch this collider: both enabled, no sensor, none of Rapier's own soft bodies,
-/// groups and solver groups that agree. A deformable counts as a dynamic body
+/// Whether Rapier's rules let a deformable meet this collider: both enabled, none of Rapier's own soft bodies, collision
+/// groups that agree. A deformable counts as a dynamic body
 /// with the usual collision types, and Rapier asks for the agreement of one side only, so the collider's do not matter.
 pub fn admits(collider: &Collider, body: Option<&RigidBody>, surface: &Surface) -> bool {
     collider.is_enabled()
         && body.is_none_or(|b| b.is_enabled() && !b.is_soft_frame())
-        && !collider.is_sensor()
         && collider.deformable_mesh_ref().is_none()
-        && surface.solver_groups.test(collider.solver_groups())
         && surface.collision_groups.test(collider.collision_groups())
+}
+
+/// Whether an admitted collider pushes. Sensors, and those of solver groups that don't agree, only notice.
+pub fn pushes(collider: &Collider, surface: &Surface) -> bool {
+    !collider.is_sensor() && surface.solver_groups.test(collider.solver_groups())
 }
 
 /// The target for an admitted collider; `None` where its shape is not one that nodes can touch.

@@ -141,6 +141,12 @@ impl DeformableBuilder {
         self
     }
 
+    /// Mean force of a collider over a step above which an event tells of it \[N\].
+    pub fn contact_force_event_threshold(mut self, threshold: Real) -> Self {
+        self.surface.contact_force_event_threshold = Some(threshold);
+        self
+    }
+
     /// Factor on the world's gravity.
     pub fn gravity_scale(mut self, scale: Real) -> Self {
         self.gravity_scale = scale;
@@ -203,6 +209,9 @@ impl DeformableBuilder {
             }
         }
         not_negative("the friction coefficient", self.surface.friction.into())?;
+        if let Some(threshold) = self.surface.contact_force_event_threshold {
+            not_negative("the threshold of force events", threshold.into())?;
+        }
         not_negative("the drag", self.drag.into())?;
         if !self.gravity_scale.is_finite() {
             return Err(BuildError::Value {

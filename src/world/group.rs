@@ -49,9 +49,12 @@ impl DeformableWorld {
     /// Sorts the enabled deformables into groups for a rigid step of `dt` s. Each group takes its members out of the set
     /// until it is dissolved.
     pub(super) fn form_groups(&mut self, parts: &RapierParts, dt: f64) -> Vec<Group> {
+        let mut sensing = std::mem::take(&mut self.sensing);
+        sensing.clear();
         if !self.iter().any(|(_, body)| body.is_enabled()) {
             return Vec::new();
         }
+        let mut gate = self.open_gate();
         let search = Search::new(&self.known, parts, dt);
         reach::remember(&mut self.known, &search.strays, parts);
         let mut unsupported = std::mem::take(&mut self.report.unsupported);
@@ -62,11 +65,20 @@ impl DeformableWorld {
             .filter(|(_, body)| body.is_enabled())
             .map(|(handle, body)| Reach {
                 handle,
-                targets: reach::targets(body, &search, &mut forms, &mut unsupported),
+                targets: reach::targets(
+                    (handle, body),
+                    &search,
+                    &mut gate,
+                    &mut forms,
+                    &mut unsupported,
+                    &mut sensing,
+                ),
                 attachments: self.attachments_of(handle, parts),
             })
             .collect();
         self.forms = forms;
+        self.sensing = sensing;
+        self.forget_answers(gate);
         for &collider in &unsupported {
             if !self.warned.contains(&collider) {
                 self.warned.push(collider);
@@ -200,6 +212,9 @@ impl DeformableWorld {
             .all(|s| s.impulse.is_finite() && s.torque.is_finite());
         let near = group.near_bodies(NEAR * parts.length_unit());
         self.pause_encounters(&mut group);
+        for (pair, sum) in group.pair_sums() {
+            self.add_touch(pair, sum);
+        }
         for ((handle, body), candidates) in group.members.iter().zip(group.candidates) {
             for mut c in candidates {
                 c.pause(&group.shadows[c.target.shadow as usize], body.edits);

@@ -128,6 +128,7 @@ impl DeformableWorld {
                 }
             }
             if !faster {
+                pairs.retain(|&[i, j]| self.may_meet(reaches[i].handle, reaches[j].handle));
                 return pairs;
             }
         }

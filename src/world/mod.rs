@@ -11,6 +11,7 @@ mod deformable;
 mod edit;
 mod energies;
 mod group;
+mod hooks;
 mod kinematic;
 mod meet;
 mod motion;
@@ -20,11 +21,13 @@ mod parts;
 mod query;
 mod reach;
 mod report;
+mod sense;
 mod settings;
 mod sleep;
 mod step;
 mod substep;
 mod ties;
+mod touch;
 
 pub use attach::AttachmentState;
 pub use attachment::{AttachError, AttachTo, Attachment};
@@ -32,8 +35,9 @@ pub use builder::{DeformableBuilder, IntoDeformable, IntoNet};
 pub use debug::{DebugStyle, rgba};
 pub use deformable::Deformable;
 pub use energies::Energies;
+pub use hooks::{DeformableHooks, PairContext};
 pub use observer::{
-    AttachmentBroke, AttachmentImpulse, Observer, PairImpulse, Partner, SpringEvent,
+    AttachmentBroke, AttachmentImpulse, NodeImpulse, Observer, PairImpulse, Partner, SpringEvent,
     SpringEventKind, Substep,
 };
 pub use params::{DeformableParameters, Substeps};
@@ -42,6 +46,7 @@ pub use query::{
     DeformableFilter, DeformableOverlap, DeformableProjection, DeformableRayHit, RayHit,
 };
 pub use report::StepReport;
+pub use touch::{PairContact, TouchEvent, TouchEventKind};
 
 use crate::body::BuildError;
 use crate::contact::candidates::Candidates;
@@ -115,6 +120,11 @@ pub struct DeformableWorld {
     half_done: Option<f64>,
     /// What Rapier's BVH knows.
     known: reach::Known,
+    /// Who touches whom.
+    touches: BTreeMap<touch::TouchKey, touch::Touch>,
+    /// What is to be looked at after the Rapier step under way.
+    sensing: Vec<sense::Sensing>,
+    gate: hooks::Gate,
 }
 
 impl DeformableWorld {

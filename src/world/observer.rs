@@ -1,8 +1,9 @@
 //! The observer: called after every substep with what happened in it. A trait because strangers plug in here; whatever it
 //! does, it can't change a result.
 
+use super::touch::TouchEvent;
 use super::{AttachmentHandle, Deformable, DeformableHandle};
-use crate::body::SpringId;
+use crate::body::{NodeId, SpringId};
 use crate::math::DVec3;
 use rapier3d::geometry::ColliderHandle;
 
@@ -14,6 +15,12 @@ pub trait Observer {
     fn event(&mut self, _event: &SpringEvent) {}
     /// Called when an attachment breaks.
     fn attachment_event(&mut self, _event: &AttachmentBroke) {}
+    /// Called at the end of a step for every contact that began, was strong or ended in it.
+    fn touch_event(&mut self, _event: &TouchEvent) {}
+    /// Whether [`Substep::node_impulses`] are wanted, which costs time; asked in every substep.
+    fn wants_node_impulses(&self) -> bool {
+        false
+    }
 }
 
 /// Observes nothing.
@@ -36,6 +43,8 @@ pub struct Substep<'a> {
     pub contacts: &'a [PairImpulse],
     /// What each attachment transmitted.
     pub attachments: &'a [AttachmentImpulse],
+    /// What nodes got from contacts; empty unless [`Observer::wants_node_impulses`].
+    pub node_impulses: &'a [NodeImpulse],
 }
 
 /// What a deformable is in contact with.
@@ -45,6 +54,42 @@ pub enum Partner {
     Collider(ColliderHandle),
     /// Another deformable.
     Deformable(DeformableHandle),
+}
+
+impl Partner {
+    /// What partners are sorted by: colliders come first.
+    pub(super) fn key(self) -> (bool, (u32, u32)) {
+        match self {
+            Self::Collider(c) => (false, c.into_raw_parts()),
+            Self::Deformable(d) => (true, d.key()),
+        }
+    }
+}
+
+impl From<ColliderHandle> for Partner {
+    fn from(collider: ColliderHandle) -> Self {
+        Self::Collider(collider)
+    }
+}
+
+impl From<DeformableHandle> for Partner {
+    fn from(deformable: DeformableHandle) -> Self {
+        Self::Deformable(deformable)
+    }
+}
+
+/// What a node got from one point of contact in a substep. A point within a face or an edge gives to each of its nodes; a
+/// node may get from several points, which add up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NodeImpulse {
+    /// The deformable.
+    pub deformable: DeformableHandle,
+    /// The node.
+    pub node: NodeId,
+    /// What pushed it.
+    pub partner: Partner,
+    /// Impulse on the node \[N·s\]; none for a deformable that dominates the partner.
+    pub impulse: DVec3,
 }
 
 /// What one partner did to one deformable in a substep.

@@ -1,5 +1,6 @@
 //! What a step did, for those who ask.
 
+use super::touch::TouchEvent;
 use super::{AttachmentHandle, DeformableHandle};
 use rapier3d::geometry::ColliderHandle;
 
@@ -23,11 +24,23 @@ pub struct StepReport {
     pub unsupported: Vec<ColliderHandle>,
     /// Attachments that broke in this step.
     pub broken_attachments: Vec<AttachmentHandle>,
+    /// Contacts that began, were strong or ended, in the order of deformables and partners.
+    pub events: Vec<TouchEvent>,
     /// Work of the shadows minus work done on the rigid bodies \[J\].
     pub coupling_defect: f64,
 }
 
 impl StepReport {
+    /// An empty report for the coming step. The memory of events is used again.
+    pub(super) fn clear(&mut self) {
+        let mut events = std::mem::take(&mut self.events);
+        events.clear();
+        *self = Self {
+            events,
+            ..Self::default()
+        };
+    }
+
     pub(super) fn add_substeps(&mut self, handle: DeformableHandle, n: usize) {
         match self.substeps.iter_mut().find(|(h, _)| *h == handle) {
             Some((_, sum)) => *sum += n,

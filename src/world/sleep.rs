@@ -16,11 +16,13 @@ impl DeformableWorld {
         let search = Search::new(&self.known, parts, dt);
         let mut wake = Vec::new();
         let mut forms = std::mem::take(&mut self.forms);
-        for (_, body) in self.iter().filter(|(_, b)| b.is_enabled()) {
+        let mut gate = self.open_gate();
+        for own in self.iter().filter(|(_, b)| b.is_enabled()) {
             wake.extend(reach::sleepers_in_the_way(
-                body, &search, &mut forms, threshold,
+                own, &search, &mut gate, &mut forms, threshold,
             ));
         }
+        self.keep_answers(gate);
         self.forms = forms;
         for handle in wake {
             parts.islands.wake_up(parts.bodies, handle, true);

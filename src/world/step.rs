@@ -5,7 +5,7 @@ use super::group::Waiting;
 use super::kinematic::KinematicTargets;
 use super::observer::Observer;
 use super::reach::Search;
-use super::report::{StepReport, note};
+use super::report::note;
 use super::substep::{Group, NEAR, Settings};
 use super::{DeformableWorld, RapierParts, meet, reach};
 use crate::contact::form::Form;
@@ -35,17 +35,18 @@ impl DeformableWorld {
         observer: &mut dyn Observer,
     ) {
         let dt = f64::from(world.integration_parameters.dt);
-        self.report = StepReport::default();
+        self.report.clear();
         if !(dt.is_finite() && dt >= 0.0) {
             self.report.invalid_dt = Some(dt);
             return;
         }
-        self.settle(&mut RapierParts::from(&mut *world));
+        self.settle(&mut RapierParts::from(&mut *world), observer);
         self.report.rigid_steps = 1;
         if dt == 0.0 {
             world.step_with_events(hooks, events);
             return;
         }
+        self.begin_touches();
         self.wake_sleepers_in_the_way(&mut RapierParts::from(&mut *world), dt);
         let steps = self.rigid_steps(&RapierParts::from(&mut *world), dt);
         self.report.rigid_steps = steps;
@@ -65,7 +66,7 @@ impl DeformableWorld {
             }
             self.hand_over(&mut RapierParts::from(&mut *world), dt / steps as f64);
         }
-        self.end_frame();
+        self.end_frame(&RapierParts::from(&mut *world), dt, observer);
     }
 
     /// For those who own the loop: advances the deformables through `parts.integration_parameters.dt` and gives rigid
@@ -74,11 +75,12 @@ impl DeformableWorld {
     /// which [`Self::step`] sees to by itself.
     pub fn before_step(&mut self, parts: &mut RapierParts, observer: &mut dyn Observer) {
         let dt = f64::from(parts.integration_parameters.dt);
-        self.report = StepReport::default();
+        self.report.clear();
         if !(dt.is_finite() && dt >= 0.0) {
             self.report.invalid_dt = Some(dt);
         } else if dt > 0.0 {
-            self.settle(parts);
+            self.settle(parts, observer);
+            self.begin_touches();
             self.report.rigid_steps = 1;
             self.wake_sleepers_in_the_way(parts, dt);
             self.advance(parts, dt, dt, dt, observer);
@@ -88,15 +90,20 @@ impl DeformableWorld {
 
     /// The other half of [`Self::before_step`]; without one before it, nothing.
     pub fn after_step(&mut self, parts: &mut RapierParts) {
-        self.settle(parts);
+        self.after_step_with(parts, &mut ());
+    }
+
+    /// As [`Self::after_step`], with an observer that is told of contacts that began or ended in the step.
+    pub fn after_step_with(&mut self, parts: &mut RapierParts, observer: &mut dyn Observer) {
+        self.settle(parts, observer);
     }
 
     /// Completes a [`Self::before_step`] that has not been completed: bodies get the rest of their impulses, and the user's
     /// forces back.
-    fn settle(&mut self, parts: &mut RapierParts) {
+    fn settle(&mut self, parts: &mut RapierParts, observer: &mut dyn Observer) {
         if let Some(dt) = self.half_done.take() {
             self.hand_over(parts, dt);
-            self.end_frame();
+            self.end_frame(parts, dt, observer);
         }
     }
 
@@ -124,7 +131,7 @@ impl DeformableWorld {
         wanted.clamp(1, most)
     }
 
-    fn can_touch_awake_body(&self, parts: &RapierParts, dt: f64) -> bool {
+    fn can_touch_awake_body(&mut self, parts: &RapierParts, dt: f64) -> bool {
         let awake = |h: RigidBodyHandle| {
             parts
                 .bodies
@@ -136,11 +143,14 @@ impl DeformableWorld {
         }
         let search = Search::new(&self.known, parts, dt);
         let mut found = false;
-        for (_, body) in self.iter().filter(|(_, b)| b.is_enabled()) {
-            reach::for_each_in_reach(body, &search, |_, collider, _| {
-                found |= collider.parent().is_some_and(awake) && Form::takes(collider.shape());
+        let mut gate = self.open_gate();
+        for own in self.iter().filter(|(_, b)| b.is_enabled()) {
+            reach::for_each_in_reach(own, &search, &mut gate, |_, collider, pushes| {
+                let moves = collider.parent().is_some_and(awake);
+                found |= pushes && moves && Form::takes(collider.shape());
             });
         }
+        self.keep_answers(gate);
         let mut bonds = self.attachments.iter().filter(|(_, a)| !a.is_broken());
         found || bonds.any(|(_, a)| a.body().is_some_and(awake))
     }
@@ -248,6 +258,7 @@ impl DeformableWorld {
             }
             body.slots.fill(u32::MAX);
         }
+        group.forget_touches();
         for (touched, shadow) in group.touched.iter().zip(&mut group.shadows[1..]) {
             *shadow = touched.start;
         }
@@ -283,9 +294,11 @@ impl DeformableWorld {
         }
         self.follow_rigid_bodies(parts);
         self.watch_sleepers(parts, dt);
+        self.sense(parts);
     }
 
-    fn end_frame(&mut self) {
+    fn end_frame(&mut self, parts: &RapierParts, dt: f64, observer: &mut dyn Observer) {
+        self.end_touches(parts, dt, observer);
         for (_, body) in self.bodies.iter_mut() {
             body.end_frame();
         }

@@ -2,11 +2,13 @@
 
 use super::group::Touched;
 use super::observer::{
-    AttachmentImpulse, Observer, PairImpulse, Partner, SpringEvent, SpringEventKind, Substep,
+    AttachmentImpulse, NodeImpulse, Observer, PairImpulse, Partner, SpringEvent, SpringEventKind,
+    Substep,
 };
 use super::ties::Attached;
+use super::touch::PairSum;
 use super::{Deformable, DeformableHandle, meet};
-use crate::body::SpringId;
+use crate::body::{NodeId, SpringId};
 use crate::contact::candidates::Candidates;
 use crate::contact::encounter::Encounter;
 use crate::contact::site::{Reach, Side, Site};
@@ -30,6 +32,10 @@ pub(super) struct Group {
     pub touched: Vec<Touched>,
     pub attachments: Vec<Attached>,
     pairs: Vec<PairImpulse>,
+    /// What pairs add up over the substeps.
+    sums: Vec<PairSum>,
+    /// What nodes got in the substep under way, if that is wanted.
+    node_impulses: Option<Vec<NodeImpulse>>,
     pub tied: Vec<AttachmentImpulse>,
     pub rows: Rows,
 }
@@ -61,6 +67,8 @@ impl Group {
             touched: Vec::new(),
             attachments: Vec::new(),
             pairs: Vec::new(),
+            sums: Vec::new(),
+            node_impulses: None,
             tied: Vec::new(),
             rows: Rows::default(),
         }
@@ -74,7 +82,18 @@ impl Group {
             depth: 0.0,
             touching: 0,
         });
+        self.sums.push(PairSum::default());
         self.pairs.len() as u32 - 1
+    }
+
+    /// What each pair has done in this rigid step.
+    pub fn pair_sums(&self) -> impl Iterator<Item = (&PairImpulse, &PairSum)> {
+        self.pairs.iter().zip(&self.sums)
+    }
+
+    /// After a step that went wrong, nothing counts as touched.
+    pub fn forget_touches(&mut self) {
+        self.sums.fill(PairSum::default());
     }
 
     /// Brings the velocities of shadows to the instants of the group's substeps.
@@ -106,6 +125,7 @@ impl Group {
         self.remember(s);
         self.write_velocities(h);
         self.push_out(h, s);
+        self.list_node_impulses(observer.wants_node_impulses());
         self.book_work();
         self.book_ties(h, time);
         for (_, body) in &mut self.members {
@@ -255,15 +275,50 @@ impl Group {
                 work.rigid += term.share * impulse.dot(meeting);
             }
             let pair = row.pair as usize;
+            let pressed = row.normal_impulse > 0.0;
             // Two deformables are two pairs, the second with the impulse on the other one.
-            let pairs = &mut self.pairs[pair..=pair + usize::from(row.between)];
-            for (pair, sign) in pairs.iter_mut().zip([1.0, -1.0]) {
+            for (i, sign) in [1.0, -1.0].into_iter().enumerate() {
+                if i == 1 && !row.between {
+                    break;
+                }
                 let of_this = |t: &&Term| t.weight * sign > 0.0;
                 let share: f64 = terms.iter().filter(of_this).map(|t| t.share).sum();
-                pair.impulse += impulse * share;
-                pair.depth = pair.depth.max(row.depth);
-                pair.touching += u32::from(row.normal_impulse > 0.0);
+                let sums = &mut self.pairs[pair + i];
+                sums.impulse += impulse * share;
+                sums.depth = sums.depth.max(row.depth);
+                sums.touching += u32::from(pressed);
+                if pressed {
+                    let point = point(&self.members, &self.rows.nodes, terms, sign);
+                    self.sums[pair + i].add_row(point, row.normal * sign, row.normal_impulse);
+                }
             }
+        }
+    }
+
+    /// What each node got of each row.
+    fn list_node_impulses(&mut self, wanted: bool) {
+        if !wanted {
+            self.node_impulses = None;
+            return;
+        }
+        let list = self.node_impulses.get_or_insert_default();
+        list.clear();
+        for row in &self.rows.contacts {
+            let impulse = row.impulse();
+            if impulse == DVec3::ZERO {
+                continue;
+            }
+            list.extend(self.rows.terms_of(row.terms).iter().map(|term| {
+                let node = &self.rows.nodes[term.node as usize];
+                // The nodes of the other deformable belong to the second pair.
+                let pair = row.pair as usize + usize::from(row.between && term.weight < 0.0);
+                NodeImpulse {
+                    deformable: self.members[node.body as usize].0,
+                    node: NodeId(node.node),
+                    partner: self.pairs[pair].partner,
+                    impulse: impulse * term.share,
+                }
+            }));
         }
     }
 
@@ -323,8 +378,10 @@ impl Group {
             deformables: &self.members,
             contacts: &self.pairs,
             attachments: &self.tied,
+            node_impulses: self.node_impulses.as_deref().unwrap_or_default(),
         });
-        for pair in &mut self.pairs {
+        for (pair, sum) in self.pairs.iter_mut().zip(&mut self.sums) {
+            sum.add(pair, h);
             (pair.impulse, pair.depth, pair.touching) = (DVec3::ZERO, 0.0, 0);
         }
         for tied in &mut self.tied {
@@ -385,6 +442,16 @@ fn displace(members: &mut Members, nodes: &[RowNode], terms: &[Term], by: DVec3)
         lost -= by.cross(body.state.velocity(i) * mass);
     }
     lost
+}
+
+/// Where a row acts on its first body, or with a sign of −1 on its second \[m\].
+fn point(members: &Members, nodes: &[RowNode], terms: &[Term], sign: f64) -> DVec3 {
+    let place = |t: &Term| {
+        let node = &nodes[t.node as usize];
+        let body = &members[node.body as usize].1;
+        body.state.position(node.node as usize) * (t.weight * sign).max(0.0)
+    };
+    terms.iter().map(place).sum()
 }
 
 /// Leapfrog velocities stand at half substeps: the trapezoid of the displacements before and after the impulse. The other

@@ -80,7 +80,12 @@ impl Deformable {
     }
 
     /// `None` where they are apart.
-    fn touching(&self, pose: &Pose, shape: &dyn Shape, radius: f64) -> Option<Vec<Feature>> {
+    pub(in crate::world) fn touching(
+        &self,
+        pose: &Pose,
+        shape: &dyn Shape,
+        radius: f64,
+    ) -> Option<Vec<Feature>> {
         let extent = self.extent(radius)?;
         // About the body's origin, where f32 is precise.
         let shift = wide(pose.translation) - self.state.origin;
