@@ -21,9 +21,10 @@ pub struct Surface {
     /// Which colliders push back; those of no agreement are only noticed.
     pub solver_groups: InteractionGroups,
     /// Distance kept between the middle of the surface and what touches it, doubled \[m\]: the thickness of a sheet, the
-    /// diameter of a rope.
+    /// diameter of a rope. What is not positive and finite counts as 0.
     pub thickness: Real,
-    /// Stiffness of its contacts \[N/m\] per node; `None`, the default, for contacts that do not give.
+    /// Stiffness of its contacts \[N/m\] per node; `None`, the default, for contacts that do not give. What is not positive
+    /// and finite counts as `None`.
     pub stiffness: Option<Real>,
     /// Bodies of a higher group push those of a lower one and feel nothing, as in Rapier; -127 to 127.
     pub dominance_group: i8,
@@ -163,6 +164,15 @@ pub fn admits(collider: &Collider, body: Option<&RigidBody>, surface: &Surface) 
         && surface.collision_groups.test(collider.collision_groups())
 }
 
+/// A thickness that can be one \[m\], else 0.
+fn thickness(t: Real) -> f64 {
+    if t.is_finite() {
+        f64::from(t).max(0.0)
+    } else {
+        0.0
+    }
+}
+
 /// The target for an admitted collider; `None` where its shape is not one that nodes can touch.
 pub fn target(
     handle: ColliderHandle,
@@ -203,9 +213,12 @@ pub fn target(
         offset,
         turn,
         friction: f64::from(friction).max(0.0),
-        skin: f64::from(collider.contact_skin()) + 0.5 * f64::from(surface.thickness),
+        skin: thickness(collider.contact_skin()) + 0.5 * thickness(surface.thickness),
         node_share: f64::from(dominance >= 0),
         rigid_share: f64::from(dominance <= 0),
-        stiffness: surface.stiffness.map(f64::from),
+        stiffness: surface
+            .stiffness
+            .map(f64::from)
+            .filter(|k| k.is_finite() && *k > 0.0),
     })
 }

@@ -19,7 +19,8 @@ pub struct StepReport {
     pub frozen: Vec<DeformableHandle>,
     /// Bodies that asked for too few substeps: taken as asked for `Substeps::Unchecked`, raised for `Substeps::Fixed`.
     pub unstable: Vec<DeformableHandle>,
-    /// Colliders in reach whose shape nodes can't touch yet.
+    /// Colliders in reach whose shape nodes can't touch: custom ones, compounds with a part without volume, shapes that are
+    /// not finite.
     pub unsupported: Vec<ColliderHandle>,
     /// Work of the shadows minus work done on the rigid bodies \[J\].
     pub coupling_defect: f64,
