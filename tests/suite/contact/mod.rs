@@ -80,10 +80,7 @@ pub fn grid_mesh(
 /// A flat height field at y = 0, of cells of `cell` m, `x` by `z` m about the origin.
 pub fn flat_field(x: f32, z: f32, cell: f32) -> ColliderBuilder {
     let (rows, columns) = ((z / cell) as usize + 1, (x / cell) as usize + 1);
-    ColliderBuilder::heightfield(
-        Array2::repeat(rows, columns, 0.0),
-        Vector::new(x, 1.0, z),
-    )
+    ColliderBuilder::heightfield(Array2::repeat(rows, columns, 0.0), Vector::new(x, 1.0, z))
 }
 
 /// A floor of voxels with its top at y = 0.

@@ -88,17 +88,49 @@ fn cases() -> Vec<Case> {
         on("cuboid", ColliderBuilder::cuboid(0.5, 0.5, 0.5), -0.5),
         on("cylinder", ColliderBuilder::cylinder(0.5, 0.7), -0.5),
         base_up(on("cone", ColliderBuilder::cone(0.5, 0.7), -0.5)),
-        on("half-space", ColliderBuilder::new(SharedShape::halfspace(Vector::Y)), 0.0),
-        on("hull", ColliderBuilder::convex_hull(&corners(-half, half)).unwrap(), -0.5),
-        on("round cuboid", ColliderBuilder::round_cuboid(0.45, 0.45, 0.45, 0.05), -0.5),
-        on("round cylinder", ColliderBuilder::round_cylinder(0.45, 0.7, 0.05), -0.5),
-        base_up(on("round cone", ColliderBuilder::round_cone(0.45, 0.7, 0.05), -0.5)),
-        on("round hull", ColliderBuilder::round_convex_hull(&inner, 0.05).unwrap(), -0.5),
+        on(
+            "half-space",
+            ColliderBuilder::new(SharedShape::halfspace(Vector::Y)),
+            0.0,
+        ),
+        on(
+            "hull",
+            ColliderBuilder::convex_hull(&corners(-half, half)).unwrap(),
+            -0.5,
+        ),
+        on(
+            "round cuboid",
+            ColliderBuilder::round_cuboid(0.45, 0.45, 0.45, 0.05),
+            -0.5,
+        ),
+        on(
+            "round cylinder",
+            ColliderBuilder::round_cylinder(0.45, 0.7, 0.05),
+            -0.5,
+        ),
+        base_up(on(
+            "round cone",
+            ColliderBuilder::round_cone(0.45, 0.7, 0.05),
+            -0.5,
+        )),
+        on(
+            "round hull",
+            ColliderBuilder::round_convex_hull(&inner, 0.05).unwrap(),
+            -0.5,
+        ),
         on("compound", ColliderBuilder::compound(halves.to_vec()), -0.5),
         on("mesh", mesh(TriMeshFlags::empty()), 0.0),
-        on("mesh of fixed edges", mesh(TriMeshFlags::FIX_INTERNAL_EDGES), 0.0),
+        on(
+            "mesh of fixed edges",
+            mesh(TriMeshFlags::FIX_INTERNAL_EDGES),
+            0.0,
+        ),
         on("box mesh", box_mesh(lo, hi, TriMeshFlags::empty()), 0.0),
-        on("oriented mesh", box_mesh(lo, hi, TriMeshFlags::ORIENTED), 0.0),
+        on(
+            "oriented mesh",
+            box_mesh(lo, hi, TriMeshFlags::ORIENTED),
+            0.0,
+        ),
         on("height field", flat_field(1.0, 1.0, 0.125), 0.0),
         on("voxels", voxel_floor([-4, -4], [4, 4], 0.125), 0.0),
         on(
@@ -123,7 +155,11 @@ fn cases() -> Vec<Case> {
         Case {
             distance: |p| from_axis(p, 0.0, 0.5),
             flat: false,
-            ..thin(on("segment", ColliderBuilder::segment(-half * Vector::X, half * Vector::X), 0.0))
+            ..thin(on(
+                "segment",
+                ColliderBuilder::segment(-half * Vector::X, half * Vector::X),
+                0.0,
+            ))
         },
         Case {
             // A node hangs through between two lines by .05 − √(.05² − .025²).
@@ -136,9 +172,14 @@ fn cases() -> Vec<Case> {
 /// Height of the centre of mass at 2 s.
 fn drop_on(case: &Case) -> f64 {
     let mut world = PhysicsWorld::default();
-    world.insert(RigidBodyBuilder::fixed(), case.collider.clone().friction(0.5));
+    world.insert(
+        RigidBodyBuilder::fixed(),
+        case.collider.clone().friction(0.5),
+    );
     let mut deformables = DeformableWorld::default();
-    let start = Vector::new(0.0, 0.25 + 0.5 * case.thickness, 0.0);
+    // A row of nodes above a single line.
+    let z = 0.5 * case.thickness;
+    let start = Vector::new(0.0, 0.25 + 0.5 * case.thickness, z);
     let handle = deformables
         .insert(block().thickness(case.thickness).translation(start))
         .unwrap();

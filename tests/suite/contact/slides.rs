@@ -46,9 +46,15 @@ fn inner_edges_are_not_felt() {
     let mesh = |flags| grid_mesh((-1.0, -1.0), (6.0, 2.0), (36, 13), flags);
     let shift = Vector::new(0.0, -0.5, 0.0);
     for (name, floor) in [
-        ("cuboid", ColliderBuilder::cuboid(8.0, 0.5, 1.0).translation(shift)),
+        (
+            "cuboid",
+            ColliderBuilder::cuboid(8.0, 0.5, 1.0).translation(shift),
+        ),
         ("mesh", mesh(TriMeshFlags::empty())),
-        ("mesh of fixed edges", mesh(TriMeshFlags::FIX_INTERNAL_EDGES)),
+        (
+            "mesh of fixed edges",
+            mesh(TriMeshFlags::FIX_INTERNAL_EDGES),
+        ),
         ("height field", flat_field(12.0, 2.0, 0.125)),
         ("compound", ColliderBuilder::compound(boxes)),
         ("voxels", voxel_floor([-8, -8], [40, 8], 0.125)),
