@@ -75,3 +75,49 @@ impl Forms {
 pub fn address(shape: &SharedShape) -> usize {
     Arc::as_ptr(&shape.0).cast::<()>() as usize
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rapier3d::geometry::TriMeshFlags;
+    use rapier3d::math::Vector;
+
+    #[test]
+    fn soups_of_the_same_numbers_are_equal() {
+        let mesh = |x: f32, flags| {
+            let points = vec![Vector::ZERO, Vector::X * x, Vector::Y];
+            SharedShape::trimesh_with_flags(points, vec![[0, 1, 2]], flags).unwrap()
+        };
+        let form = |x, flags| Form::of(&mesh(x, flags)).unwrap();
+        let plain = TriMeshFlags::empty();
+        assert_eq!(form(1.0, plain), form(1.0, plain));
+        assert_ne!(form(1.0, plain), form(1.5, plain));
+        assert_ne!(form(1.0, plain), form(1.0, TriMeshFlags::ORIENTED));
+        let triangle = |y: f32| {
+            Form::of(&SharedShape::triangle(
+                Vector::ZERO,
+                Vector::X,
+                Vector::Y * y,
+            ))
+            .unwrap()
+        };
+        assert_eq!(triangle(1.0), triangle(1.0));
+        assert_ne!(triangle(1.0), triangle(2.0));
+        assert_ne!(triangle(1.0), form(1.0, plain));
+    }
+
+    #[test]
+    fn a_form_is_there_for_every_kind_that_is_taken() {
+        let triangle = SharedShape::triangle(Vector::ZERO, Vector::X, Vector::Y);
+        let compound = SharedShape::compound(vec![(Default::default(), triangle.clone())]);
+        for (shape, taken) in [
+            (SharedShape::ball(1.0), true),
+            (SharedShape::segment(Vector::ZERO, Vector::X), true),
+            (triangle, true),
+            (compound, false),
+        ] {
+            assert_eq!(Form::takes(&*shape), taken);
+            assert_eq!(Form::of(&shape).is_some(), taken);
+        }
+    }
+}

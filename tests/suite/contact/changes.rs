@@ -1,7 +1,7 @@
 //! Colliders of no extent, and colliders that change under a block.
 
-use super::{block, flat_field, grid_mesh};
-use crate::fixtures::all_finite;
+use super::{block, box_mesh, flat_field, grid_mesh};
+use crate::fixtures::{all_finite, bead};
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
 
@@ -176,4 +176,24 @@ fn colliders_of_no_extent_do_no_harm() {
             scene.check_other();
         }
     }
+}
+
+/// A node .3 m inside an oriented mesh is led out by the nearest way, without being thrown.
+#[test]
+fn a_node_deep_inside_an_oriented_mesh_comes_out() {
+    let mut world = PhysicsWorld::default();
+    let (lo, hi) = (Vector::new(-1.0, -2.0, -1.0), Vector::new(1.0, 0.0, 1.0));
+    world.insert_collider(box_mesh(lo, hi, TriMeshFlags::ORIENTED), None);
+    let mut deformables = DeformableWorld::default();
+    let node = deformables
+        .insert(bead(1.0).translation(Vector::new(0.1, -0.3, 0.2)))
+        .unwrap();
+    let mut highest = f64::NEG_INFINITY;
+    for _ in 0..180 {
+        deformables.step(&mut world);
+        highest = highest.max(deformables[node].center_of_mass().y);
+    }
+    let end = deformables[node].center_of_mass();
+    assert!(end.y.abs() < 1e-4, "ends at {end}");
+    assert!(highest < 1e-4, "rose to {highest} m");
 }

@@ -78,8 +78,11 @@ fn lost(name: &str, collider: ColliderBuilder, motion: Motion, count: usize) -> 
     let mut random = Random(name.len() as u64 * 1000 + motion as u64);
     let net = cloud(count, &world.bodies[handle], &mut random);
     let mut deformables = DeformableWorld::default();
+    // A surface that turns at ω under a node that slides at v gains ω·v·h² on it in a substep, and depth is mended at .3
+    // m/s: at 1 ms and 70 m/s that would leave it 1.4 mm behind a sheet without thickness, on no side to speak of.
+    let substeps = Substeps::Fixed(if motion == Motion::Turning { 8 } else { 1 });
     let shot = deformables
-        .insert(DeformableBuilder::new(net).friction(0.0))
+        .insert(DeformableBuilder::new(net).friction(0.0).substeps(substeps))
         .unwrap();
     let places = |world: &PhysicsWorld, deformables: &DeformableWorld| -> Vec<DVec3> {
         let pose = world.bodies[handle].position();
@@ -153,12 +156,6 @@ fn shoot(count: usize) {
 }
 
 #[test]
-fn a_thousand_nodes_stay_on_their_side_of_each_plate() {
-    shoot(250);
-}
-
-#[test]
-#[ignore = "takes a minute"]
 fn ten_thousand_nodes_stay_on_their_side_of_each_plate() {
     shoot(2500);
 }
@@ -201,12 +198,6 @@ fn shoot_at_rod(count: usize) {
 }
 
 #[test]
-fn a_thousand_nodes_do_not_go_through_a_rod() {
-    shoot_at_rod(1000);
-}
-
-#[test]
-#[ignore = "the same with more nodes"]
 fn ten_thousand_nodes_do_not_go_through_a_rod() {
     shoot_at_rod(10_000);
 }
