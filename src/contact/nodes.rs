@@ -15,7 +15,7 @@ pub enum Nodes {
     /// Of a target with an inside.
     Solid(SolidNodes),
     /// Of a surface.
-    Soup(SoupNodes),
+    Soup(Box<SoupNodes>),
 }
 
 impl Default for Nodes {
@@ -55,7 +55,7 @@ impl Nodes {
         // A list begins empty, and begins again when the collider gets a shape of the other kind.
         match (&target.form, &*self) {
             (Form::Solid(_), Self::Soup(_)) => *self = Self::Solid(SolidNodes::default()),
-            (Form::Soup(_), Self::Solid(_)) => *self = Self::Soup(SoupNodes::default()),
+            (Form::Soup(_), Self::Solid(_)) => *self = Self::Soup(Box::default()),
             _ => {}
         }
         match (&target.form, self) {
