@@ -38,6 +38,7 @@ impl Candidates {
         Self {
             features: match &target.form {
                 Form::Solid(solid) => Features::of(solid, spacing),
+                Form::Soup(_) => None,
             },
             target,
             pair,

@@ -1,6 +1,8 @@
 //! The form of a collider as contact sees it, worked out once per shape.
 
 use super::distance::Solid;
+use super::soup::Soup;
+use super::{solid_nodes, soup_nodes};
 use crate::math::DVec3;
 use rapier3d::geometry::{Shape, SharedShape};
 use std::collections::BTreeMap;
@@ -11,23 +13,36 @@ use std::sync::Arc;
 pub enum Form {
     /// A volume, with an inside.
     Solid(Solid),
+    /// A surface or curve, without one.
+    Soup(Soup),
 }
 
 impl Form {
-    /// The form of a shape; `None` for custom shapes, and for those that are not finite.
+    /// The form of a shape; `None` for custom shapes, for compounds with a part that has no volume, and for shapes that are
+    /// not finite.
     fn of(shape: &SharedShape) -> Option<Self> {
-        Solid::of(&**shape).map(Self::Solid)
+        let soup = || Soup::of(shape).map(Self::Soup);
+        Solid::of(&**shape).map(Self::Solid).or_else(soup)
     }
 
-    /// Signed distance \[m\] and outward unit normal at a point.
-    pub fn signed_distance(&self, p: DVec3) -> (f64, DVec3) {
-        let Self::Solid(solid) = self;
-        solid.signed_distance(p)
+    /// Whether any of the points, given with their velocities in the frame of the shape, meets it faster than `threshold`
+    /// m/s within `time` s, being `skin` m thick.
+    pub fn is_hit(
+        &self,
+        points: impl Iterator<Item = (DVec3, DVec3)>,
+        skin: f64,
+        time: f64,
+        threshold: f64,
+    ) -> bool {
+        match self {
+            Self::Solid(solid) => solid_nodes::is_hit(solid, points, skin, time, threshold),
+            Self::Soup(soup) => soup_nodes::is_hit(soup, points, skin, time, threshold),
+        }
     }
 
     /// Whether a shape is of a kind that has a form, without working anything out.
     pub fn takes(shape: &dyn Shape) -> bool {
-        Solid::takes(shape)
+        Solid::takes(shape) || Soup::takes(shape)
     }
 }
 
@@ -59,4 +74,50 @@ impl Forms {
 /// What tells one shape from another.
 pub fn address(shape: &SharedShape) -> usize {
     Arc::as_ptr(&shape.0).cast::<()>() as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rapier3d::geometry::TriMeshFlags;
+    use rapier3d::math::Vector;
+
+    #[test]
+    fn soups_of_the_same_numbers_are_equal() {
+        let mesh = |x: f32, flags| {
+            let points = vec![Vector::ZERO, Vector::X * x, Vector::Y];
+            SharedShape::trimesh_with_flags(points, vec![[0, 1, 2]], flags).unwrap()
+        };
+        let form = |x, flags| Form::of(&mesh(x, flags)).unwrap();
+        let plain = TriMeshFlags::empty();
+        assert_eq!(form(1.0, plain), form(1.0, plain));
+        assert_ne!(form(1.0, plain), form(1.5, plain));
+        assert_ne!(form(1.0, plain), form(1.0, TriMeshFlags::ORIENTED));
+        let triangle = |y: f32| {
+            Form::of(&SharedShape::triangle(
+                Vector::ZERO,
+                Vector::X,
+                Vector::Y * y,
+            ))
+            .unwrap()
+        };
+        assert_eq!(triangle(1.0), triangle(1.0));
+        assert_ne!(triangle(1.0), triangle(2.0));
+        assert_ne!(triangle(1.0), form(1.0, plain));
+    }
+
+    #[test]
+    fn a_form_is_there_for_every_kind_that_is_taken() {
+        let triangle = SharedShape::triangle(Vector::ZERO, Vector::X, Vector::Y);
+        let compound = SharedShape::compound(vec![(Default::default(), triangle.clone())]);
+        for (shape, taken) in [
+            (SharedShape::ball(1.0), true),
+            (SharedShape::segment(Vector::ZERO, Vector::X), true),
+            (triangle, true),
+            (compound, false),
+        ] {
+            assert_eq!(Form::takes(&*shape), taken);
+            assert_eq!(Form::of(&shape).is_some(), taken);
+        }
+    }
 }

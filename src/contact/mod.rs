@@ -8,6 +8,8 @@ pub mod feature;
 pub mod form;
 pub mod nodes;
 pub mod site;
+pub mod solid_nodes;
 pub mod soup;
+pub mod soup_nodes;
 pub mod target;
 pub mod touches;

@@ -23,9 +23,11 @@ pub struct Surface {
     /// Distance kept between the middle of the surface and what touches it, doubled \[m\]: the thickness of a sheet, the
     /// diameter of a rope. Half the shortest edge at rest is the most that `build` takes. 0, the default, is no thickness
     /// against colliders and for solids. Two deformables that pass through each other's middle can't be told from two
-    /// that do not, so against deformables sheets and ropes of thickness 0 have a tenth of their shortest edge.
+    /// that do not, so against deformables sheets and ropes of thickness 0 have a tenth of their shortest edge. What is not
+    /// positive and finite counts as 0.
     pub thickness: Real,
-    /// Stiffness of its contacts \[N/m\] per node; `None`, the default, for contacts that do not give.
+    /// Stiffness of its contacts \[N/m\] per node; `None`, the default, for contacts that do not give. What is not positive
+    /// and finite counts as `None`.
     pub stiffness: Option<Real>,
     /// Bodies of a higher group push those of a lower one and feel nothing, as in Rapier; -127 to 127.
     pub dominance_group: i8,
@@ -173,6 +175,15 @@ pub fn pushes(collider: &Collider, surface: &Surface) -> bool {
     !collider.is_sensor() && surface.solver_groups.test(collider.solver_groups())
 }
 
+/// A thickness that can be one \[m\], else 0.
+fn thickness(t: Real) -> f64 {
+    if t.is_finite() {
+        f64::from(t).max(0.0)
+    } else {
+        0.0
+    }
+}
+
 /// The target for an admitted collider; `None` where its shape is not one that nodes can touch.
 pub fn target(
     handle: ColliderHandle,
@@ -213,9 +224,12 @@ pub fn target(
         offset,
         turn,
         friction: f64::from(friction).max(0.0),
-        skin: f64::from(collider.contact_skin()) + 0.5 * f64::from(surface.thickness),
+        skin: thickness(collider.contact_skin()) + 0.5 * thickness(surface.thickness),
         node_share: f64::from(dominance >= 0),
         rigid_share: f64::from(dominance <= 0),
-        stiffness: surface.stiffness.map(f64::from),
+        stiffness: surface
+            .stiffness
+            .map(f64::from)
+            .filter(|k| k.is_finite() && *k > 0.0),
     })
 }

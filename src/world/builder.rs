@@ -2,7 +2,7 @@
 
 use super::Deformable;
 use super::params::Substeps;
-use crate::body::error::not_negative;
+use crate::body::error::{not_negative, positive};
 use crate::body::{Blueprint, BuildError, Material, Net, Topology};
 use crate::contact::encounter::outline;
 use crate::contact::target::{Surface, wide_rotation};
@@ -147,6 +147,24 @@ impl DeformableBuilder {
         self
     }
 
+    /// Which colliders push back; those of no agreement are only noticed.
+    pub fn solver_groups(mut self, groups: InteractionGroups) -> Self {
+        self.surface.solver_groups = groups;
+        self
+    }
+
+    /// Stiffness of its contacts \[N/m\] per node, instead of contacts that do not give.
+    pub fn contact_stiffness(mut self, stiffness: Real) -> Self {
+        self.surface.stiffness = Some(stiffness);
+        self
+    }
+
+    /// Its dominance group, as of Rapier's bodies: those of a higher group push it and feel nothing.
+    pub fn dominance_group(mut self, group: i8) -> Self {
+        self.surface.dominance_group = group;
+        self
+    }
+
     /// Factor on the world's gravity.
     pub fn gravity_scale(mut self, scale: Real) -> Self {
         self.gravity_scale = scale;
@@ -211,6 +229,10 @@ impl DeformableBuilder {
         not_negative("the friction coefficient", self.surface.friction.into())?;
         if let Some(threshold) = self.surface.contact_force_event_threshold {
             not_negative("the threshold of force events", threshold.into())?;
+        }
+        not_negative("the thickness", self.surface.thickness.into())?;
+        if let Some(stiffness) = self.surface.stiffness {
+            positive("the contact stiffness", stiffness.into())?;
         }
         not_negative("the drag", self.drag.into())?;
         if !self.gravity_scale.is_finite() {

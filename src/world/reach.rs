@@ -231,18 +231,13 @@ pub(super) fn sleepers_in_the_way(
             ..Shadow::FIXED
         };
         let frame = target.frame(&shadow);
-        let hit = (0..body.node_count()).any(|i| {
-            let v = body.state.velocity(i);
-            if v.length_squared() < threshold * threshold {
-                return false;
-            }
-            let (distance, normal) = target
-                .form
-                .signed_distance(frame.to_local(&body.state, i as u32));
-            let closing = -v.dot(frame.axes * normal);
-            closing > threshold && distance < target.skin + 1.5 * closing * search.dt
+        let to_local = frame.axes.transpose();
+        let points = (0..body.node_count()).map(|i| {
+            let place = frame.to_local(&body.state, i as u32);
+            (place, to_local * body.state.velocity(i))
         });
-        if hit {
+        let (skin, time) = (target.skin, 1.5 * search.dt);
+        if target.form.is_hit(points, skin, time, threshold) {
             found.push(handle);
         }
     }

@@ -20,7 +20,8 @@ pub struct StepReport {
     pub frozen: Vec<DeformableHandle>,
     /// Bodies that asked for too few substeps: taken as asked for `Substeps::Unchecked`, raised for `Substeps::Fixed`.
     pub unstable: Vec<DeformableHandle>,
-    /// Colliders in reach whose shape nodes can't touch yet.
+    /// Colliders in reach whose shape nodes can't touch: custom ones, compounds with a part without volume, shapes that are
+    /// not finite.
     pub unsupported: Vec<ColliderHandle>,
     /// Attachments that broke in this step.
     pub broken_attachments: Vec<AttachmentHandle>,

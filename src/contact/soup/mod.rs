@@ -31,7 +31,7 @@ pub use touch::{Touch, Touches, touches};
 
 use crate::math::DVec3;
 use edges::Edges;
-use rapier3d::geometry::{SharedShape, TriMeshFlags, TypedShape};
+use rapier3d::geometry::{Shape, SharedShape, TriMeshFlags, TypedShape};
 use std::fmt;
 use std::sync::Arc;
 
@@ -55,7 +55,51 @@ impl fmt::Debug for Soup {
     }
 }
 
+impl PartialEq for Soup {
+    /// Whether they are the same shape, or one of the same numbers.
+    fn eq(&self, other: &Self) -> bool {
+        use TypedShape as T;
+        if Arc::ptr_eq(&self.shape.0, &other.shape.0) {
+            return true;
+        }
+        match (self.shape.as_typed_shape(), other.shape.as_typed_shape()) {
+            (T::TriMesh(a), T::TriMesh(b)) => {
+                a.flags() == b.flags() && a.indices() == b.indices() && a.vertices() == b.vertices()
+            }
+            (T::HeightField(a), T::HeightField(b)) => {
+                a.scale() == b.scale()
+                    && (a.nrows(), a.ncols()) == (b.nrows(), b.ncols())
+                    && a.heights().data() == b.heights().data()
+                    && a.cells_statuses().data() == b.cells_statuses().data()
+            }
+            (T::Polyline(a), T::Polyline(b)) => {
+                a.indices() == b.indices() && a.vertices() == b.vertices()
+            }
+            (T::Segment(a), T::Segment(b)) => a == b,
+            (T::Triangle(a), T::Triangle(b)) => a == b,
+            (T::RoundTriangle(a), T::RoundTriangle(b)) => {
+                a.inner_shape == b.inner_shape && a.border_radius == b.border_radius
+            }
+            _ => false,
+        }
+    }
+}
+
 impl Soup {
+    /// Whether a shape is of a kind that [`Soup::of`] takes.
+    pub fn takes(shape: &dyn Shape) -> bool {
+        use TypedShape as T;
+        matches!(
+            shape.as_typed_shape(),
+            T::TriMesh(_)
+                | T::HeightField(_)
+                | T::Triangle(_)
+                | T::RoundTriangle(_)
+                | T::Segment(_)
+                | T::Polyline(_)
+        )
+    }
+
     /// The soup of a mesh, height field, triangle, rounded triangle, segment or polyline; `None` for other shapes.
     ///
     /// Takes O(n log n) for a mesh of n triangles: keep it as long as the collider keeps its shape.

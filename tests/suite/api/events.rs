@@ -275,7 +275,9 @@ fn add(list: &mut Vec<(ColliderHandle, DVec3)>, collider: ColliderHandle, impuls
 impl Observer for Books {
     fn substep(&mut self, s: &Substep) {
         for pair in s.contacts.iter().filter(|p| p.touching > 0) {
-            add(&mut self.pairs, pair.collider, pair.impulse);
+            if let Partner::Collider(collider) = pair.partner {
+                add(&mut self.pairs, collider, pair.impulse);
+            }
         }
         for n in s.node_impulses {
             if let Partner::Collider(collider) = n.partner {
