@@ -83,12 +83,15 @@ impl SolidNodes {
             if depth < -site.reach.at(slip.length()) {
                 continue;
             }
-            let motion = frame.axes.transpose() * slip * site.reach.h;
-            if depth < 0.0 && misses(solid, place, motion, target.skin, normal, &site.reach) {
-                continue;
-            }
             let key = [0, i, 0];
             let last = self.touches.last(key);
+            let fresh = last.is_none_or(|(before, _)| normal.dot(before) < SAME);
+            if fresh && depth < site.reach.touching {
+                let motion = frame.axes.transpose() * slip * site.reach.h;
+                if misses(solid, place, motion, -depth, normal, &site.reach) {
+                    continue;
+                }
+            }
             if let Some((before, _)) = last
                 && depth > 0.0
                 && normal.dot(before) < 0.0
@@ -100,6 +103,7 @@ impl SolidNodes {
             let hold = last.and_then(|(_, hold)| hold).unwrap_or(Hold {
                 weights: [1.0, 0.0, 0.0, 0.0],
                 anchor: place,
+                drift: DVec3::ZERO,
             });
             self.touches
                 .found(key, site.rows.contacts.len(), normal, hold);
@@ -133,22 +137,32 @@ impl SolidNodes {
     }
 }
 
-/// Whether a node that would go through the tangent plane of the nearest point within the substep goes past the solid
-/// instead: a plane has no end, but a plate has.
+/// Cosine of an angle within which two normals are of one face.
+const SAME: f64 = 0.7;
+
+/// Whether a node that would go through the tangent plane of the nearest point, `gap` m away, goes past the solid instead, or
+/// over its edge: a plane has no end, but a plate has, and a node that slides over a joint between two boxes, a nanometre
+/// too low, does not meet the side of the next one.
 fn misses(
     solid: &Solid,
     place: DVec3,
     motion: DVec3,
-    skin: f64,
+    gap: f64,
     normal: DVec3,
     reach: &Reach,
 ) -> bool {
-    let (gap, _) = solid.signed_distance(place);
-    if gap - skin + motion.dot(normal) > 0.0 || motion.length() < 4.0 * reach.touching {
+    let length = motion.length();
+    if length <= 0.0 || length.is_nan() {
         return false;
     }
-    let nearest = solid.nearest_on_path(place, place + motion);
-    nearest - skin > reach.slack
+    let way = motion * (20.0 * reach.touching / length).max(1.0);
+    if gap + way.dot(normal) > 0.0 {
+        return false;
+    }
+    let skin = solid.signed_distance(place).0 - gap;
+    let (nearest, there) = solid.nearest_on_path(place, place + way);
+    let nearest = nearest - skin;
+    nearest > reach.slack || (nearest > -reach.touching && there.dot(normal) < SAME)
 }
 
 /// Whether any of the points, given with their velocities in the solid's frame, meets the solid faster than `threshold` m/s

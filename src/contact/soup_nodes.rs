@@ -145,6 +145,7 @@ impl SoupNodes {
                     let hold = last.and_then(|(_, hold)| hold).unwrap_or(Hold {
                         weights: [1.0, 0.0, 0.0, 0.0],
                         anchor: place,
+                        drift: DVec3::ZERO,
                     });
                     row.drift = frame.axes * along(place - hold.anchor, touch.normal);
                     let index = site.rows.contacts.len();

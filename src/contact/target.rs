@@ -151,6 +151,7 @@ impl Target {
             normal_impulse: 0.0,
             friction_impulse: DVec3::ZERO,
             mass: 0.0,
+            turning: 0.0,
         }
     }
 }

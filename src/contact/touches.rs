@@ -27,6 +27,9 @@ pub struct Hold {
     pub weights: [f64; 4],
     /// Where that point was, in the collider's frame.
     pub anchor: DVec3,
+    /// How far it had slipped by then \[m\]. Where a body rolls over a face the points that touch are others at every time,
+    /// and only what each slips counts.
+    pub drift: DVec3,
 }
 
 /// The points of one kind of a pair of body and collider.

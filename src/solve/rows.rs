@@ -7,7 +7,7 @@
 //! many rows they have.
 
 use super::shadow::Shadow;
-use crate::law::row::{allowed_velocity, friction_impulse, normal_impulse};
+use crate::law::row::{allowed_velocity, friction_impulse, normal_impulse, turning};
 use crate::math::{DMat3, DVec3};
 
 /// A node that has at least one row.
@@ -86,6 +86,9 @@ pub struct Row {
     pub friction_impulse: DVec3,
     /// Effective mass along the normal \[kg\]; set by the pass.
     pub mass: f64,
+    /// How much faster the surface turns towards the point than it moves at the start of the substep \[m/s\]; set by the
+    /// pass.
+    pub turning: f64,
 }
 
 impl Row {
@@ -181,7 +184,7 @@ impl Rows {
     /// Solves all rows in at most `passes` Gauss–Seidel passes, stopping once a pass changes nothing, and books the
     /// impulses to the shadows. `reversed` picks the order of the first pass.
     pub fn solve(&mut self, shadows: &mut [Shadow], h: f64, passes: usize, reversed: bool) {
-        self.prepare(shadows);
+        self.prepare(shadows, h);
         let Self {
             nodes,
             terms,
@@ -223,7 +226,7 @@ impl Rows {
         }
     }
 
-    fn prepare(&mut self, shadows: &[Shadow]) {
+    fn prepare(&mut self, shadows: &[Shadow], h: f64) {
         let Self {
             nodes,
             terms,
@@ -239,6 +242,11 @@ impl Rows {
             let rigid = shadows[row.shadow as usize].response(row.arm, row.normal);
             let k = points.response(row.terms) + row.rigid_share * rigid + row.softness;
             row.mass = if k > 0.0 { 1.0 / k } else { 0.0 };
+            let shadow = &shadows[row.shadow as usize];
+            if shadow.w != DVec3::ZERO {
+                let relative = points.velocity(row.terms) - shadow.velocity_at(row.arm);
+                row.turning = turning(shadow.w, relative, row.arm, row.normal, h);
+            }
         }
         for tie in ties {
             let own = points.response(tie.terms) + tie.softness;
@@ -309,7 +317,7 @@ impl Points<'_> {
         for row in rows {
             let shadow = &mut shadows[row.shadow as usize];
             let relative = self.velocity(row.terms) - shadow.velocity_at(row.arm);
-            let allowed = allowed_velocity(row.depth, h, row.softness);
+            let allowed = allowed_velocity(row.depth, h, row.softness) + row.turning;
             let speed = relative.dot(row.normal) + row.softness * row.normal_impulse;
             let jn = normal_impulse(row.normal_impulse, allowed, speed, row.mass);
             let along = row.normal * (jn - row.normal_impulse);
@@ -397,6 +405,7 @@ mod tests {
             normal_impulse: 0.0,
             friction_impulse: DVec3::ZERO,
             mass: 0.0,
+            turning: 0.0,
         });
         rows
     }

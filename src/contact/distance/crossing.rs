@@ -108,7 +108,8 @@ fn cross([a, b]: [DVec3; 2], [p, q]: [DVec3; 2], normals: [DVec3; 2]) -> Option<
     let c = d.cross(u);
     let square = c.length_squared();
     // Parallel, or no numbers.
-    if !(square > 1e-8 * d.length_squared() * u.length_squared()) {
+    let flat = square <= 1e-8 * d.length_squared() * u.length_squared();
+    if flat || square.is_nan() {
         return None;
     }
     let t = (p - a).cross(u).dot(c) / square;

@@ -19,12 +19,18 @@ impl Solid {
         }
     }
 
-    /// The least signed distance of a point that moves from `a` to `b`, or a bound from below \[m\].
-    pub fn nearest_on_path(&self, a: DVec3, b: DVec3) -> f64 {
+    /// The least signed distance of a point that moves from `a` to `b` \[m\] and the normal there; for compounds and voxels
+    /// those of the place of entry, or of `b`.
+    pub fn nearest_on_path(&self, a: DVec3, b: DVec3) -> (f64, DVec3) {
         match &self.core {
-            Core::Compound(_) | Core::Voxels(_) if self.cast(a, b).is_some() => 0.0,
-            Core::Compound(_) | Core::Voxels(_) => self.signed_distance(b).0,
-            _ => self.nearest_on_segment(a, b).1,
+            Core::Compound(_) | Core::Voxels(_) => match self.cast(a, b) {
+                Some((_, normal)) => (0.0, normal),
+                None => self.signed_distance(b),
+            },
+            _ => {
+                let (_, distance, normal) = self.nearest_on_segment(a, b);
+                (distance, normal)
+            }
         }
     }
 

@@ -232,6 +232,7 @@ impl Encounter {
             normal_impulse: 0.0,
             friction_impulse: DVec3::ZERO,
             mass: 0.0,
+            turning: 0.0,
         });
         touches.push(touch);
     }

@@ -22,6 +22,30 @@ pub(super) struct Met {
     shallow: bool,
 }
 
+/// How near the border of a face counts as on it, in distances that count as touching.
+const BORDER: f64 = 10.0;
+
+impl Met {
+    /// Whether the point is on the border of this face, within `width` m, and well within another one that looks elsewhere: what
+    /// slides over a corner does not meet it with its side.
+    fn yields_to(&self, other: &Self, width: f64) -> bool {
+        other.shallow
+            && self.normal.dot(other.normal) < 0.7
+            && self.inset() < width
+            && self.inset() < other.inset()
+    }
+
+    /// A length that goes to zero at the border \[m\].
+    fn inset(&self) -> f64 {
+        let corners = self.patch.corners();
+        let side = corners[0].distance(corners[1]);
+        let n = corners.len();
+        // The weights of two neighbours are left at a side.
+        let sides = (0..n).map(|i| 1.0 - self.weights[i] - self.weights[(i + 1) % n]);
+        side * sides.fold(f64::INFINITY, f64::min)
+    }
+}
+
 /// The rows of faces or edges against a part, in the making.
 pub(super) struct Making<'a, 's> {
     pub target: &'a Target,
@@ -95,6 +119,12 @@ impl Making<'_, '_> {
     pub(super) fn point(&mut self, p: u32, met: &[Met]) {
         let mut any = false;
         for m in met {
+            if met
+                .iter()
+                .any(|other| m.yields_to(other, BORDER * self.site.reach.touching))
+            {
+                continue;
+            }
             if m.shallow || self.touches.touched([p, m.point, m.face]) {
                 any = true;
                 self.add_met(p, m);
@@ -129,6 +159,11 @@ impl Making<'_, '_> {
         let mut cross = |c: Crossing| {
             let depth = self.target.skin - c.distance;
             if depth < -self.site.reach.farthest || depth > deepest {
+                return;
+            }
+            // So near an end it is the node's business.
+            let end = BORDER * self.site.reach.touching / a.distance(b);
+            if c.t < end || c.t > 1.0 - end {
                 return;
             }
             let key = [p, e, c.edge];
@@ -176,12 +211,16 @@ impl Making<'_, '_> {
         // Both sides take the impulse at one point, that of the deformable, or angular momentum would be lost.
         let touched = weigh(&point.weights, point.corners.iter().copied());
         let arm = self.arm(touched);
+        let corners = || point.corners.iter().copied();
         let held = self.touches.last(key).and_then(|(_, hold)| hold);
-        let hold = held.unwrap_or(Hold {
+        let drift = held.map_or(DVec3::ZERO, |h| {
+            h.drift + weigh(&h.weights, corners()) - h.anchor
+        });
+        let hold = Hold {
             weights: point.weights,
             anchor: touched,
-        });
-        let slipped = weigh(&hold.weights, point.corners.iter().copied()) - hold.anchor;
+            drift,
+        };
         let Site {
             side,
             slots,
@@ -209,7 +248,7 @@ impl Making<'_, '_> {
             normal_impulse,
             friction_impulse,
             arm,
-            drift: self.frame.axes * along(slipped, point.normal),
+            drift: self.frame.axes * along(drift, point.normal),
             ..self.target.row(terms, self.pair, reach.h)
         });
     }

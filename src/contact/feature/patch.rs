@@ -92,7 +92,7 @@ impl Patch {
                 normal: normal.try_normalize()?,
             });
             // Folded over.
-            if !(area > 0.0) {
+            if area <= 0.0 || area.is_nan() {
                 return None;
             }
             let off = p - point;

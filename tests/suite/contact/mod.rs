@@ -2,6 +2,7 @@
 
 mod changes;
 mod fast;
+mod features;
 mod shapes;
 mod slides;
 mod surface;
