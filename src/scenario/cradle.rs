@@ -5,7 +5,7 @@
 //! There is no damping, so what is lost is lost to the mesh or to the contact.
 
 use super::{Cast, Figures, Options, Run, Scene, SceneError};
-use crate::body::{Binding, Net, Node, Skin, Spring};
+use crate::body::{Net, Node, Spring};
 use crate::math::{DVec3, Real, Vector};
 use crate::world::{DeformableBuilder, DeformableWorld, Substeps};
 use rapier3d::pipeline::PhysicsWorld;
@@ -16,7 +16,7 @@ pub const SCENE: Scene = Scene {
     about: "an elastic bar hits one of its length, and one hits a bar of twice its length",
     options: Options {
         dt: 1.0e-3,
-        duration: 0.15,
+        duration: 0.3,
         safety: 0.25,
         cell: LENGTH / 50.0,
     },
@@ -34,8 +34,6 @@ pub const BAR: [f64; 2] = [1.0e4, 1.0];
 pub const GAP: f64 = 1.0e-4;
 /// The pairs: how many times as long the bar that is hit is, and where they are along z \[m\].
 const PAIRS: [(usize, Real); 2] = [(1, -0.15), (2, 0.15)];
-/// Half the width of the bars in pictures \[m\].
-const HALF_WIDTH: Real = 0.04;
 
 /// A bar of `n` springs along x from the origin, the nodes at its ends half as heavy.
 fn bar(n: usize, length: f64) -> Net {
@@ -47,35 +45,7 @@ fn bar(n: usize, length: f64) -> Net {
         Node::new(at, (share * density * dx) as Real)
     });
     let springs = (0..n as u32).map(|i| Spring::new(i, i + 1, (ea / dx) as Real));
-    let mut net = Net::new(nodes.collect(), springs.collect());
-    net.skin = Some(skin(&net.nodes));
-    net
-}
-
-/// A square tube about the nodes, for pictures.
-fn skin(nodes: &[Node]) -> Skin {
-    const CORNERS: [(Real, Real); 4] = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
-    let mut skin = Skin::default();
-    for (i, node) in (0u32..).zip(nodes) {
-        for (y, z) in CORNERS {
-            let off = Vector::new(0.0, y, z) * HALF_WIDTH;
-            skin.vertices.push(node.position + off);
-            let mut binding = Binding::default();
-            (binding.nodes[0], binding.weights[0]) = (i, 1.0);
-            skin.bindings.push(binding);
-        }
-    }
-    let mut quad = |[a, b, c, d]: [u32; 4]| skin.triangles.extend([[a, b, c], [a, c, d]]);
-    let last = nodes.len().saturating_sub(1) as u32;
-    for i in (0..last).map(|i| 4 * i) {
-        for j in 0..4 {
-            let k = (j + 1) % 4;
-            quad([i + j, i + k, i + k + 4, i + j + 4]);
-        }
-    }
-    quad([3, 2, 1, 0]);
-    quad([0, 1, 2, 3].map(|j| 4 * last + j));
-    skin
+    Net::new(nodes.collect(), springs.collect())
 }
 
 fn build(options: &Options) -> Result<Run, SceneError> {
