@@ -79,7 +79,7 @@ fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::List => {
             for scene in scenario::all() {
-                println!("{:8} {}", scene.name, scene.about);
+                println!("{:12} {}", scene.name, scene.about);
             }
             Ok(())
         }

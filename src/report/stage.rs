@@ -9,7 +9,7 @@ use super::color::{ColorBar, colormap, mix};
 use super::ground::Ground;
 use super::mesh::Mesh;
 use super::picture::Picture;
-use crate::math::{Real, Vector};
+use crate::math::{Pose, Real, Vector};
 use crate::record::frame::{Frame, FrameBody, FrameCollider};
 use rapier3d::geometry::{ColliderHandle, TypedShape};
 use std::ops::Range;
@@ -31,7 +31,12 @@ pub struct Stage {
     pub ground: Option<ColliderHandle>,
     /// Plastic strain at the end of the colour scale \[1\].
     pub max_strain: f64,
+    /// Radius of the beads that stand for the nodes of a body without triangles \[m\].
+    pub bead: Real,
 }
+
+/// Radius of a bead, over the diagonal of what moves \[1\].
+const BEAD: Real = 0.004;
 
 impl Stage {
     /// A camera that looks along −`from` and sees everything that moves in any of the frames.
@@ -74,6 +79,7 @@ impl Stage {
             parts: Vec::new(),
             ground: None,
             max_strain: 0.4,
+            bead: BEAD * (hi - lo).length(),
         }
     }
 
@@ -130,6 +136,12 @@ impl Stage {
             triangles: triangles.to_vec(),
             smooth: true,
         };
+        if body.triangles.is_empty() {
+            let beads = body.vertices.iter().zip(&strain_colors);
+            meshes.extend(
+                beads.map(|(at, c)| Mesh::ball(self.bead, &Pose::from_translation(*at), *c)),
+            );
+        }
         let mut drawn = vec![false; body.triangles.len()];
         for (name, range) in self.parts.iter().filter(|_| first) {
             let Some(triangles) = body.triangles.get(range.clone()) else {

@@ -6,9 +6,12 @@
 
 pub mod car;
 pub mod catalog;
+pub mod cradle;
 pub mod drop;
 pub mod figures;
 pub mod run;
+pub mod thin_plate;
+pub mod trampoline;
 pub mod wall;
 
 pub use catalog::{UnknownScene, all, find};

@@ -1,7 +1,10 @@
 //! The scenes of the catalog, held against the figures they are there for, and the command line that runs them.
 
 mod cli;
+mod cradle;
 mod drop;
 mod ledger;
 mod recorder;
+mod thin_plate;
+mod trampoline;
 mod wall;
