@@ -8,7 +8,9 @@ pub mod car;
 pub mod catalog;
 pub mod drop;
 pub mod figures;
+pub mod pole;
 pub mod run;
+pub mod terrain;
 pub mod wall;
 
 pub use catalog::{UnknownScene, all, find};
