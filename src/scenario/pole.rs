@@ -51,7 +51,7 @@ const BIN: f64 = 1.0e-4;
 /// Doors, sill and roof edge of one side, smeared.
 fn doors() -> Material {
     Material::elastic(16.0e6, 180.0)
-        .yielding(50.0e3, 400.0e3)
+        .yielding(60.0e3, 480.0e3)
         .viscosity(1.6e3)
 }
 
@@ -123,8 +123,8 @@ fn build(options: &Options) -> Result<Run, SceneError> {
         .into_iter()
         .map(|t: f64| t * options.duration / SCENE.options.duration)
         .collect();
-    // From above the pole's side, past the bonnet: the door, the dent and the pole in one picture.
-    run.view = Vector::new(0.55, 1.0, -0.75);
+    // From above the bonnet along the struck side: the door, the dent and the pole beside each other.
+    run.view = Vector::new(0.85, 1.2, -0.40);
     for (name, nodes) in [("cabin", cabin), ("struck", struck), ("far", far)] {
         run.recorder.follow(name, &run.deformables, handle, nodes)?;
     }
@@ -172,7 +172,10 @@ fn figures(run: &Run) -> Result<Figures, SceneError> {
     let away = velocity(run, record);
     f.add("rebound_mps", "speed away from the pole", away, "m/s");
     f.add("absorbed_j", "absorbed", before - after, "J");
-    let plastic = record.ledger.last().map_or(0.0, |s| s.energies.work.plastic);
+    let plastic = record
+        .ledger
+        .last()
+        .map_or(0.0, |s| s.energies.work.plastic);
     f.add("plastic_j", "plastic work", plastic, "J");
     f.add("mass_kg", "mass", record.mass + car::ENGINE_MASS, "kg");
     let through = nodes_through(run) as f64;
@@ -248,8 +251,7 @@ fn engine_velocity(run: &Run) -> f64 {
 /// Velocity of car and engine together along z at the end \[m/s\].
 fn velocity(run: &Run, record: &BodyRecord) -> f64 {
     let car = record.center.velocities.last().map_or(0.0, |v| v.z);
-    (car * record.mass + engine_velocity(run) * car::ENGINE_MASS)
-        / (record.mass + car::ENGINE_MASS)
+    (car * record.mass + engine_velocity(run) * car::ENGINE_MASS) / (record.mass + car::ENGINE_MASS)
 }
 
 /// How well the impulses on the car and its engine together explain their change of momentum along z, over that change

@@ -1,8 +1,8 @@
 //! `terrain`: a rubber ball rolls down a bumpy height field, and its twin down a triangle mesh of the same surface.
 //!
 //! The two shapes are different code with the same triangles, so the balls must take the same way until rounding has had
-//! time to grow. The ground is a valley, higher at its sides and ahead of its end than a ball can climb, so that a node
-//! without ground below it has gone through and nothing else.
+//! time to grow. The ground is a valley with sides higher than a ball can climb, and longer than the balls roll: a node
+//! that has no ground below it has gone through, or its ball has left the way, and both are failures.
 
 use super::{Cast, Figures, Options, Run, Scene, SceneError};
 use crate::body::{Group, Material, Surface};
@@ -57,7 +57,7 @@ fn foam_rubber() -> Material {
 
 /// Height of the ground \[m\]: a slope with waves along and across, and sides that lead back to the middle.
 fn height(x: Real, z: Real) -> Real {
-    let waves = 0.030 * (2.6 * x).sin() + 0.015 * (5.3 * x + 1.0).sin() * (4.0 * z).cos();
+    let waves = 0.04 * (3.1 * x).sin() + 0.02 * (6.3 * x + 1.0).sin() * (4.0 * z).cos();
     -FALL * x + waves + 0.12 * z * z
 }
 
@@ -91,7 +91,10 @@ fn grounds() -> (Array2<Real>, Vector, Vec<Vector>, Vec<[u32; 3]>) {
 fn ball(radius: Real) -> Surface {
     const AROUND: u32 = 24;
     const RINGS: u32 = 12;
-    let mut vertices = vec![Vector::new(0.0, radius, 0.0), Vector::new(0.0, -radius, 0.0)];
+    let mut vertices = vec![
+        Vector::new(0.0, radius, 0.0),
+        Vector::new(0.0, -radius, 0.0),
+    ];
     for ring in 1..RINGS {
         let (sin, cos) = (PI * ring as Real / RINGS as Real).sin_cos();
         for i in 0..AROUND {
@@ -199,7 +202,10 @@ fn path<'a>(run: &'a Run, ball: &str, ground: &str) -> Result<Path<'a>, SceneErr
     Ok(Path {
         record: record.ok_or(SceneError::Missing("ball"))?,
         ground: ground.ok_or(SceneError::Missing("ground"))?,
-        positions: body.ok_or(SceneError::Missing("ball"))?.positions().collect(),
+        positions: body
+            .ok_or(SceneError::Missing("ball"))?
+            .positions()
+            .collect(),
     })
 }
 
@@ -211,7 +217,11 @@ impl Path<'_> {
     }
 
     fn speed(&self) -> f64 {
-        self.record.center.velocities.last().map_or(0.0, |v| v.length())
+        self.record
+            .center
+            .velocities
+            .last()
+            .map_or(0.0, |v| v.length())
     }
 
     /// The most that kinetic, elastic and potential energy together ever were above the start \[J\].
@@ -225,7 +235,7 @@ impl Path<'_> {
         sums.iter().fold(0.0, |most, s| most.max(s - first))
     }
 
-    /// Nodes more than a millimetre below the ground, or with no ground above or below them.
+    /// Nodes more than a millimetre below the ground, or with no ground on their vertical at all.
     fn through(&self, run: &Run) -> usize {
         let Some(ground) = run.world.colliders.get(self.ground) else {
             return self.positions.len();
@@ -261,12 +271,27 @@ fn figures(run: &Run) -> Result<Figures, SceneError> {
     let field = path(run, "on_field", "field")?;
     let mesh = path(run, "on_mesh", "mesh")?;
     let mut f = Figures::default();
-    f.add("field_rolled_m", "rolled, height field", field.length(), "m");
+    f.add(
+        "field_rolled_m",
+        "rolled, height field",
+        field.length(),
+        "m",
+    );
     f.add("mesh_rolled_m", "rolled, mesh", mesh.length(), "m");
-    f.add("field_speed_mps", "speed, height field", field.speed(), "m/s");
+    f.add(
+        "field_speed_mps",
+        "speed, height field",
+        field.speed(),
+        "m/s",
+    );
     f.add("mesh_speed_mps", "speed, mesh", mesh.speed(), "m/s");
     let early = apart(&field, &mesh, EARLY);
-    f.add("apart_early_m", "ways apart in the first second", early, "m");
+    f.add(
+        "apart_early_m",
+        "ways apart in the first second",
+        early,
+        "m",
+    );
     let all = apart(&field, &mesh, f64::INFINITY);
     f.add("apart_m", "ways apart at the most", all, "m");
     let gain = field.gain().max(mesh.gain());

@@ -3,5 +3,7 @@
 mod cli;
 mod drop;
 mod ledger;
+mod pole;
 mod recorder;
+mod terrain;
 mod wall;
