@@ -4,7 +4,6 @@
 //! that can't be written), with one clear line on stderr.
 
 use clap::{Parser, Subcommand};
-use crumple::math::Vector;
 use crumple::record::{CsvError, FilterError, Interface};
 use crumple::report::{ReportError, Stage, Table, charts, contact_sheet};
 use crumple::scenario::{self, Figures, Options, Run, Scene, SceneError, UnknownScene};
@@ -202,6 +201,11 @@ fn draw_plots(scene: &Scene, run: &Run, out: &Path) -> Result<(), Failure> {
         );
         plot?.save_png(&out.join("deceleration.png"))?;
     }
+    if scene.name == scenario::pole::SCENE.name {
+        let force = scenario::pole::pole_force(run)?;
+        let plot = charts::filtered("Force of the pole on the car", "force [kN]", &force, 1.0e-3);
+        plot?.save_png(&out.join("force.png"))?;
+    }
     for (i, (name, handle)) in run.cast.deformables.iter().enumerate() {
         if let Some(record) = run.recorder.body(*handle) {
             let file = match i {
@@ -216,7 +220,7 @@ fn draw_plots(scene: &Scene, run: &Run, out: &Path) -> Result<(), Failure> {
 }
 
 fn draw_pictures(run: &Run, out: &Path) -> Result<(), Failure> {
-    let mut stage = Stage::framing(&run.frames, Vector::new(-0.05, 0.38, 1.0), [1000, 560]);
+    let mut stage = Stage::framing(&run.frames, run.view, [1000, 560]);
     stage.ground = run.cast.collider("ground");
     stage.parts = run.cast.parts.clone();
     let plastic = run.frames.iter().flat_map(|f| &f.bodies);

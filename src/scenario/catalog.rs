@@ -1,6 +1,6 @@
 //! All scenes by name.
 
-use super::{Scene, cradle, drop, thin_plate, trampoline, wall};
+use super::{Scene, cradle, drop, pole, terrain, thin_plate, trampoline, wall};
 
 /// There is no scene of this name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -27,6 +27,8 @@ pub fn all() -> &'static [Scene] {
     &[
         wall::SCENE,
         drop::SCENE,
+        pole::SCENE,
+        terrain::SCENE,
         trampoline::SCENE,
         thin_plate::SCENE,
         cradle::SCENE,

@@ -1,7 +1,7 @@
 //! A scene that runs: the two worlds, the recorder, and names for what takes part.
 
 use super::{Figures, Options};
-use crate::math::Real;
+use crate::math::{Real, Vector};
 use crate::record::{Frame, Recorder};
 use crate::world::{AttachmentHandle, DeformableHandle, DeformableWorld};
 use rapier3d::dynamics::RigidBodyHandle;
@@ -19,7 +19,8 @@ pub struct Cast {
     pub rigid: Vec<(String, Option<RigidBodyHandle>, ColliderHandle)>,
     /// Attachments.
     pub attachments: Vec<(String, AttachmentHandle)>,
-    /// Runs of the first deformable's skin triangles that are drawn in a colour of their own (glass, tyres).
+    /// Runs of the first deformable's skin triangles that are drawn in a colour of their own (glass, tyres), and of all
+    /// whose skins have as many.
     pub parts: Vec<(String, Range<usize>)>,
 }
 
@@ -59,6 +60,8 @@ pub struct Run {
     pub frames: Vec<Frame>,
     /// When frames are taken, each at the end of the step nearest to it \[s\]; ascending.
     pub frame_times: Vec<f64>,
+    /// From which direction pictures are taken.
+    pub view: Vector,
     /// Substeps of the deformable that took most.
     pub substeps: u64,
     /// Spring forces evaluated.
@@ -91,6 +94,7 @@ impl Run {
             options: *options,
             frames: Vec::new(),
             frame_times: Vec::new(),
+            view: Vector::new(-0.05, 0.38, 1.0),
             substeps: 0,
             spring_updates: 0,
             coupling_defect: 0.0,
