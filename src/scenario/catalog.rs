@@ -1,6 +1,6 @@
 //! All scenes by name.
 
-use super::{Scene, drop, wall};
+use super::{Scene, drop, pile, slalom, wall};
 
 /// There is no scene of this name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -24,7 +24,7 @@ fn hint(suggestion: Option<&'static str>) -> String {
 
 /// Every scene.
 pub fn all() -> &'static [Scene] {
-    &[wall::SCENE, drop::SCENE]
+    &[wall::SCENE, drop::SCENE, pile::SCENE, slalom::SCENE]
 }
 
 /// The scene of a name.

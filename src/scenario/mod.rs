@@ -8,7 +8,10 @@ pub mod car;
 pub mod catalog;
 pub mod drop;
 pub mod figures;
+pub mod pile;
 pub mod run;
+pub mod slalom;
+pub mod survey;
 pub mod wall;
 
 pub use catalog::{UnknownScene, all, find};

@@ -3,5 +3,8 @@
 mod cli;
 mod drop;
 mod ledger;
+mod pile;
+mod random;
 mod recorder;
+mod slalom;
 mod wall;
