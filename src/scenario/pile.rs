@@ -88,10 +88,10 @@ fn soft(kind: usize, options: &Options) -> Result<(&'static str, DeformableBuild
         1 => {
             let (from, to) = (Vector::new(-0.22, 0.0, 0.0), Vector::new(0.22, 0.0, 0.0));
             let net = rope(from, to, 11, 4.0e-4)?;
-            let line = Material::elastic(5.0e6, 1100.0).viscosity(5.0e4);
+            let line = Material::elastic(2.0e6, 1100.0).viscosity(3.0e3);
             (
                 "rope",
-                DeformableBuilder::new(net).material(line).thickness(0.02),
+                DeformableBuilder::new(net).material(line).thickness(0.018),
             )
         }
         3 => {

@@ -8,7 +8,7 @@ use crate::body::{Material, NodeId};
 use crate::math::{Real, Rotation, Vector};
 use crate::shape::{lattice, rope, sheet};
 use crate::world::{AttachTo, Attachment, DeformableBuilder, DeformableWorld, Substeps};
-use rapier3d::dynamics::{RevoluteJointBuilder, RigidBodyBuilder};
+use rapier3d::dynamics::{RigidBodyBuilder, SphericalJointBuilder};
 use rapier3d::geometry::ColliderBuilder;
 use rapier3d::pipeline::PhysicsWorld;
 
@@ -77,7 +77,7 @@ fn rigid(world: &mut PhysicsWorld, cast: &mut Cast) {
             .push((format!("crate_{i}"), Some(body), collider));
     }
     for (i, (x, angle)) in PENDULUMS.into_iter().enumerate() {
-        let (pivot, length) = (Vector::new(x, 1.75, 0.0), 1.15);
+        let (pivot, length) = (Vector::new(x, 1.75, 0.0), 1.1);
         let turn = Rotation::from_rotation_x(angle);
         let at = pivot + turn * Vector::new(0.0, -length, 0.0);
         let pose = rapier3d::math::Pose::from_parts(at, turn);
@@ -88,7 +88,8 @@ fn rigid(world: &mut PhysicsWorld, cast: &mut Cast) {
         cast.rigid
             .push((format!("pendulum_{i}"), Some(bob), collider));
         let anchor = world.insert_body(RigidBodyBuilder::fixed().translation(pivot));
-        let hinge = RevoluteJointBuilder::new(Vector::X)
+        // A ball joint: a hinge across the way would make a post of a pendulum.
+        let hinge = SphericalJointBuilder::new()
             .local_anchor1(Vector::ZERO)
             .local_anchor2(Vector::new(0.0, length, 0.0));
         world.impulse_joints.insert(anchor, bob, hinge, true);
@@ -120,7 +121,7 @@ fn soft(
     cast.deformables.push(("block".into(), block));
     let (from, to) = (Vector::ZERO, Vector::new(-0.9, 0.0, 0.0));
     let hook = middle - Vector::new(BLOCK.x, 0.0, 0.0);
-    let line = Material::elastic(5.0e6, 1100.0).viscosity(5.0e4);
+    let line = Material::elastic(2.0e6, 1100.0).viscosity(3.0e3);
     let tow = deformables.insert(
         DeformableBuilder::new(rope(from, to, 18, 2.0e-4)?)
             .material(line)
@@ -206,8 +207,6 @@ fn figures(run: &Run) -> Result<Figures, SceneError> {
     f.add("crates_moving", "crates moving", moving as f64, "");
     let lowest = survey::lowest_node(&run.deformables);
     f.add("lowest_node_m", "lowest node", lowest, "m");
-    let closure = run.recorder.momentum_closure();
-    f.add("momentum_closure", "momentum closure", closure, "");
     run.common_figures(&mut f);
     Ok(f)
 }

@@ -170,7 +170,7 @@ fn soft(dice: &mut Dice, about: &mut String) -> DeformableBuilder {
             (
                 format!("rope {}", 2.0 * half),
                 rope(ends.0, ends.1, 8, 4.0e-4),
-                0.02,
+                0.015,
             )
         }
     };
