@@ -3,6 +3,7 @@
 use crumple::scenario;
 
 #[test]
+#[ignore = "long: more than a minute"]
 fn a_heap_comes_to_rest() {
     let scene = scenario::find("pile").unwrap();
     let mut run = scene.build(&scene.options).unwrap();

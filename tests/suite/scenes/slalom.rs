@@ -13,10 +13,10 @@ fn a_block_rides_through() {
     assert_eq!(get("finite"), 1.0);
     assert_eq!(get("nodes_through"), 0.0);
     assert!(get("lowest_node_m") > -1e-3);
-    assert!(get("max_penetration_m") < 5e-3);
+    assert!(get("max_penetration_m") < 1e-3);
     assert!(get("energy_residual") < 0.01);
-    // It is struck and held back on its way, and is still on the platform at its end.
-    assert!(get("slip_m") < 0.3);
-    assert!((get("block_x_m") - 2.0).abs() < 0.3);
+    // The curtain and a pendulum push against it; friction holds.
+    assert!(get("slip_m") < 0.01);
+    assert!((get("block_x_m") - 2.0).abs() < 0.01);
     assert!(get("block_height_m") > 0.3);
 }
