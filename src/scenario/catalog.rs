@@ -1,6 +1,6 @@
 //! All scenes by name.
 
-use super::{Scene, cradle, drop, pole, terrain, thin_plate, trampoline, wall};
+use super::{Scene, cradle, drop, pile, pole, slalom, terrain, thin_plate, trampoline, wall};
 
 /// There is no scene of this name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -29,7 +29,9 @@ pub fn all() -> &'static [Scene] {
         drop::SCENE,
         pole::SCENE,
         terrain::SCENE,
+        slalom::SCENE,
         trampoline::SCENE,
+        pile::SCENE,
         thin_plate::SCENE,
         cradle::SCENE,
     ]

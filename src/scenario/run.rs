@@ -1,5 +1,6 @@
 //! A scene that runs: the two worlds, the recorder, and names for what takes part.
 
+use super::survey::mechanical_energy;
 use super::{Figures, Options};
 use crate::math::{Real, Vector};
 use crate::record::{Frame, Recorder};
@@ -72,6 +73,10 @@ pub struct Run {
     pub wall_s: f64,
     /// Steps made.
     pub steps: u64,
+    /// Mechanical energy of everything that moves freely at the beginning and after every step \[J\].
+    pub energy: Vec<f64>,
+    /// What the scene does before every step, such as to move a platform.
+    pub lead: Option<fn(&mut Run)>,
     most: Vec<(DeformableHandle, u64)>,
 }
 
@@ -100,6 +105,8 @@ impl Run {
             coupling_defect: 0.0,
             wall_s: 0.0,
             steps: 0,
+            energy: Vec::new(),
+            lead: None,
             most: Vec::new(),
         }
     }
@@ -115,11 +122,19 @@ impl Run {
         if self.steps >= self.total_steps() {
             return false;
         }
+        if self.energy.is_empty() {
+            self.energy = vec![mechanical_energy(&self.world, &self.deformables)];
+        }
+        if let Some(lead) = self.lead {
+            lead(self);
+        }
         let start = Instant::now();
         self.deformables
             .step_with(&mut self.world, &(), &(), &mut self.recorder);
         self.wall_s += start.elapsed().as_secs_f64();
         self.steps += 1;
+        let energy = mechanical_energy(&self.world, &self.deformables);
+        self.energy.push(energy);
         let report = self.deformables.report();
         self.spring_updates += report.spring_updates;
         self.coupling_defect += report.coupling_defect.abs();
