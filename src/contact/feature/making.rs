@@ -73,6 +73,10 @@ impl Making<'_, '_> {
         let nodes = side.topology.faces[f as usize].nodes();
         let local = nodes.iter().map(|&i| self.frame.to_local(side.state, i));
         let patch = Patch::new(local);
+        let (middle, radius) = patch.ball();
+        if self.is_far(middle, radius) {
+            return;
+        }
         let Some(mut n) = patch.normal() else {
             return;
         };
@@ -112,6 +116,12 @@ impl Making<'_, '_> {
                 });
             }
         }
+    }
+
+    /// Whether nothing within a ball can touch in this substep: lists are wide.
+    fn is_far(&self, middle: DVec3, radius: f64) -> bool {
+        let (distance, _) = self.part.solid.signed_distance(middle);
+        distance > radius + self.target.skin + self.site.reach.farthest
     }
 
     /// The rows of one point of the part. A point that is deep below a face has come in through another one, unless it was
@@ -154,6 +164,9 @@ impl Making<'_, '_> {
         let nodes = self.site.side.topology.edges[e as usize];
         let corners = nodes.map(|node| self.frame.to_local(self.site.side.state, node));
         let [a, b] = corners;
+        if self.is_far(0.5 * (a + b), 0.5 * a.distance(b)) {
+            return;
+        }
         let part = self.part;
         let deepest = self.target.skin + 0.5 * part.solid.width();
         let mut cross = |c: Crossing| {

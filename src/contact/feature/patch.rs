@@ -39,6 +39,13 @@ impl Patch {
         &self.corners[..self.count]
     }
 
+    /// A ball around it: middle and radius \[m\].
+    pub fn ball(&self) -> (DVec3, f64) {
+        let middle = self.corners().iter().sum::<DVec3>() / self.count as f64;
+        let far = self.corners().iter().map(|c| c.distance_squared(middle));
+        (middle, far.fold(0.0, f64::max).sqrt())
+    }
+
     /// Unit normal of its middle; `None` for a patch without area.
     pub fn normal(&self) -> Option<DVec3> {
         let [a, b, c, d] = self.corners;
