@@ -29,13 +29,18 @@ pub use body::shape;
 
 /// Everything a scene needs. Clashes with nothing in Rapier's own prelude.
 pub mod prelude {
-    pub use crate::body::{BuildError, Material, Net, Node, NodeId, Spring, SpringId};
+    pub use crate::body::{
+        BuildError, Feature, Material, Net, Node, NodeId, Spring, SpringId, SurfacePoint,
+    };
     pub use crate::record::Recorder;
     pub use crate::shape::{filled, lattice, rope, sheet};
     pub use crate::solve::Integrator;
     pub use crate::world::{
-        AttachmentHandle, Deformable, DeformableBuilder, DeformableHandle, DeformableParameters,
-        DeformableWorld, Observer, RapierParts, SpringEvent, SpringEventKind, Substep, Substeps,
+        AttachTo, Attachment, AttachmentHandle, Deformable, DeformableBuilder, DeformableFilter,
+        DeformableHandle, DeformableHooks, DeformableOverlap, DeformableParameters,
+        DeformableProjection, DeformableRayHit, DeformableWorld, NodeImpulse, Observer,
+        PairContact, PairContext, Partner, RapierParts, RayHit, SpringEvent, SpringEventKind,
+        Substep, Substeps, TouchEvent, TouchEventKind,
     };
 }
 

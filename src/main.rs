@@ -4,7 +4,6 @@
 //! that can't be written), with one clear line on stderr.
 
 use clap::{Parser, Subcommand};
-use crumple::math::Vector;
 use crumple::record::{CsvError, FilterError, Interface};
 use crumple::report::{ReportError, Stage, Table, charts, contact_sheet};
 use crumple::scenario::{self, Figures, Options, Run, Scene, SceneError, UnknownScene};
@@ -79,7 +78,7 @@ fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::List => {
             for scene in scenario::all() {
-                println!("{:8} {}", scene.name, scene.about);
+                println!("{:12} {}", scene.name, scene.about);
             }
             Ok(())
         }
@@ -167,6 +166,10 @@ fn write_channels(run: &Run, out: &Path) -> Result<(), Failure> {
             let mut rigid = run.cast.rigid.iter();
             rigid.find(|r| r.2 == c).map(|r| r.0.clone())
         }
+        Interface::Deformable(d) => {
+            let mut all = run.cast.deformables.iter();
+            all.find(|(_, h)| *h == d).map(|(n, _)| n.clone())
+        }
         Interface::Attachment(a) => {
             let mut all = run.cast.attachments.iter();
             all.find(|(_, h)| *h == a).map(|(n, _)| n.clone())
@@ -198,6 +201,11 @@ fn draw_plots(scene: &Scene, run: &Run, out: &Path) -> Result<(), Failure> {
         );
         plot?.save_png(&out.join("deceleration.png"))?;
     }
+    if scene.name == scenario::pole::SCENE.name {
+        let force = scenario::pole::pole_force(run)?;
+        let plot = charts::filtered("Force of the pole on the car", "force [kN]", &force, 1.0e-3);
+        plot?.save_png(&out.join("force.png"))?;
+    }
     for (i, (name, handle)) in run.cast.deformables.iter().enumerate() {
         if let Some(record) = run.recorder.body(*handle) {
             let file = match i {
@@ -212,7 +220,7 @@ fn draw_plots(scene: &Scene, run: &Run, out: &Path) -> Result<(), Failure> {
 }
 
 fn draw_pictures(run: &Run, out: &Path) -> Result<(), Failure> {
-    let mut stage = Stage::framing(&run.frames, Vector::new(-0.05, 0.38, 1.0), [1000, 560]);
+    let mut stage = Stage::framing(&run.frames, run.view, [1000, 560]);
     stage.ground = run.cast.collider("ground");
     stage.parts = run.cast.parts.clone();
     let plastic = run.frames.iter().flat_map(|f| &f.bodies);

@@ -17,6 +17,12 @@ impl Observer for Blind {
             SpringEventKind::YieldBegan | SpringEventKind::Broke
         ));
     }
+
+    fn touch_event(&mut self, event: &TouchEvent) {
+        assert!(event.kind == TouchEventKind::Started);
+        let contact: PairContact = event.contact;
+        assert!(matches!(contact.partner, Partner::Collider(_)));
+    }
 }
 
 #[test]
@@ -51,12 +57,37 @@ fn both_preludes_make_a_program() -> Result<(), BuildError> {
         f?.check()?;
     }
     assert!(filled(&Default::default(), 0.1).is_err());
+    struct Open;
+    impl DeformableHooks for Open {
+        fn filter(&self, _: &PairContext) -> bool {
+            true
+        }
+    }
+    deformables.set_hooks(std::sync::Arc::new(Open));
+    let none: &[NodeImpulse] = &[];
+    assert!(none.is_empty());
     for _ in 0..3 {
         deformables.step_with(&mut world, &(), &(), &mut Blind);
     }
     deformables.before_step(&mut RapierParts::from(&mut world), &mut Blind);
     world.step();
     deformables.after_step(&mut RapierParts::from(&mut world));
+    let ray = Ray::new(Vector::new(0.02, 5.0, 0.01), -Vector::Y);
+    let filter = DeformableFilter::default();
+    let hit: DeformableRayHit = deformables
+        .cast_ray(&ray, 9.0, true, filter)
+        .expect("below");
+    let at: SurfacePoint = hit.at;
+    assert!(matches!(at.feature, Feature::Face(_)));
+    let near: Option<DeformableProjection> =
+        deformables.project_point(hit.point, 1.0, true, filter);
+    assert!(near.is_some());
+    let ball = SharedShape::ball(0.1);
+    let pose = Pose::from_translation(hit.point);
+    let over: Vec<DeformableOverlap> = deformables.intersect_shape(&pose, &*ball, filter);
+    assert_eq!(over.len(), 1);
+    let first = deformables.cast_ray_with(&world.query_pipeline(), &ray, 9.0, true, filter);
+    assert!(matches!(first, Some(RayHit::Deformable(_))));
     let body: &Deformable = &deformables[block];
     assert_eq!(body.blueprint().springs[0].nodes, spring.nodes);
     assert!(body.tension(SpringId(0)).is_some());

@@ -139,6 +139,16 @@ pub enum BuildError {
         /// The worst of them, eight at most: index and signed volume \[m³\].
         worst: Vec<(u32, f64)>,
     },
+    /// The surface is thicker than its edges allow: nodes side by side would touch.
+    #[error(
+        "the surface is {thickness} m thick; half of its shortest edge, {limit} m, is the most for contact"
+    )]
+    TooThick {
+        /// The thickness \[m\].
+        thickness: f64,
+        /// The most it may be \[m\].
+        limit: f64,
+    },
     /// No stable substep fits the budget.
     #[error(
         "spring {spring} (k = {stiffness} N/m, c = {damping} N·s/m, between {mass_a} kg and {mass_b} kg) needs substeps of {needed_h:e} s, shorter than the {min_h:e} s allowed; lower its stiffness or damping, make its nodes heavier, or allow more substeps with `Substeps`"

@@ -2,23 +2,28 @@
 //! solver writes.
 
 pub mod blueprint;
+mod border;
 mod crossing;
 pub mod error;
 pub mod id;
 pub mod material;
 pub mod net;
+pub mod search;
 pub mod shape;
 pub mod solid;
 pub mod state;
 pub mod surface;
 pub mod tets;
+pub mod topology;
 
 pub use blueprint::Blueprint;
 pub use error::BuildError;
 pub use id::{NodeId, SpringId};
 pub use material::Material;
 pub use net::{Binding, Net, Node, Skin, Spring};
+pub use search::{Feature, SurfacePoint};
 pub use solid::{Solid, SolidLaw};
 pub use state::State;
 pub use surface::{Group, Surface};
 pub use tets::{TetMesh, Tets};
+pub use topology::Topology;

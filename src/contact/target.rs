@@ -1,10 +1,13 @@
 //! Which colliders a deformable may touch, by Rapier's own rules, and how they are seen.
 
-use super::distance::Primitive;
+use super::form::{Form, Forms};
+use crate::body::state::State;
+use crate::law::row::softness;
 use crate::math::{DMat3, DQuat, DVec3, Real, Rotation};
+use crate::solve::rows::{Row, Terms};
 use crate::solve::shadow::Shadow;
 use rapier3d::dynamics::{CoefficientCombineRule, RigidBody, RigidBodyHandle, RigidBodySet};
-use rapier3d::geometry::{Collider, ColliderHandle, InteractionGroups};
+use rapier3d::geometry::{Collider, ColliderHandle, InteractionGroups, SharedShape};
 
 /// How a deformable's surface behaves in contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,8 +16,24 @@ pub struct Surface {
     pub friction: Real,
     /// How it combines with the collider's; the stronger rule wins, as everywhere in Rapier.
     pub friction_combine_rule: CoefficientCombineRule,
-    /// Which colliders it meets.
+    /// Which colliders and other deformables it meets; groups that don't agree switch contact off.
     pub collision_groups: InteractionGroups,
+    /// Which colliders and other deformables push back; those of no agreement are only noticed.
+    pub solver_groups: InteractionGroups,
+    /// Distance kept between the middle of the surface and what touches it, doubled \[m\]: the thickness of a sheet, the
+    /// diameter of a rope. Half the shortest edge at rest is the most that `build` takes. 0, the default, is no thickness
+    /// against colliders and for solids. Two deformables that pass through each other's middle can't be told from two
+    /// that do not, so against deformables sheets and ropes of thickness 0 have a tenth of their shortest edge. What is not
+    /// positive and finite counts as 0.
+    pub thickness: Real,
+    /// Stiffness of its contacts \[N/m\] per node; `None`, the default, for contacts that do not give. What is not positive
+    /// and finite counts as `None`.
+    pub stiffness: Option<Real>,
+    /// Bodies of a higher group push those of a lower one and feel nothing, as in Rapier; -127 to 127.
+    pub dominance_group: i8,
+    /// Mean force of a collider over a step above which an event tells of it \[N\]; `None`, the default, for no such
+    /// events.
+    pub contact_force_event_threshold: Option<Real>,
 }
 
 impl Default for Surface {
@@ -23,12 +42,17 @@ impl Default for Surface {
             friction: 0.5,
             friction_combine_rule: CoefficientCombineRule::Average,
             collision_groups: InteractionGroups::all(),
+            solver_groups: InteractionGroups::all(),
+            thickness: 0.0,
+            stiffness: None,
+            dominance_group: 0,
+            contact_force_event_threshold: None,
         }
     }
 }
 
 /// A collider that a deformable may touch in this step.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Target {
     /// The collider.
     pub collider: ColliderHandle,
@@ -37,7 +61,9 @@ pub struct Target {
     /// Index of its shadow in the group.
     pub shadow: u32,
     /// Its shape.
-    pub shape: Primitive,
+    pub shape: SharedShape,
+    /// Its shape as contact sees it.
+    pub form: Form,
     /// Where its frame stands relative to the shadow: offset from the centre of mass, rotation.
     pub offset: DVec3,
     /// Rotation of the collider relative to its body.
@@ -46,8 +72,14 @@ pub struct Target {
     pub extent: f64,
     /// Combined μ.
     pub friction: f64,
-    /// Rapier's contact skin \[m\].
+    /// Rapier's contact skin and half the deformable's thickness \[m\].
     pub skin: f64,
+    /// What the deformable takes of an impulse: 1, or 0 if it dominates the collider's body.
+    pub node_share: f64,
+    /// What the collider's body takes of it: 1, or 0 if it dominates the deformable.
+    pub rigid_share: f64,
+    /// Stiffness of the contact \[N/m\] if it gives.
+    pub stiffness: Option<f64>,
 }
 
 /// A target's frame in the world at one instant.
@@ -57,6 +89,27 @@ pub struct Frame {
     pub position: DVec3,
     /// From its axes to the world's.
     pub axes: DMat3,
+}
+
+impl Frame {
+    /// Where a node stands in it \[m\].
+    pub fn to_local(&self, state: &State<Real>, node: u32) -> DVec3 {
+        self.axes.transpose() * (state.local(node as usize) + (state.origin - self.position))
+    }
+
+    /// A bound on how far a point within `extent` m of the origin lies from where the other frame has it \[m\].
+    pub fn distance(&self, other: &Self, extent: f64) -> f64 {
+        let turned = (0..3)
+            .map(|i| (self.axes.col(i) - other.axes.col(i)).length_squared())
+            .sum::<f64>();
+        // A fixed half-space has no extent to speak of, and 0·∞ is no distance.
+        let turned = if turned > 0.0 {
+            turned.sqrt() * extent
+        } else {
+            0.0
+        };
+        (self.position - other.position).length() + turned
+    }
 }
 
 impl Target {
@@ -80,13 +133,26 @@ impl Target {
         shadow.v.length() + turning
     }
 
-    /// Signed depth (positive inside) \[m\] and outward normal in the world of a point relative to the frame's origin.
-    #[inline]
-    pub fn depth(&self, frame: &Frame, relative: DVec3) -> (f64, DVec3) {
-        let (distance, n) = self
-            .shape
-            .signed_distance(frame.axes.transpose() * relative);
-        (self.skin - distance, frame.axes * n)
+    /// A row of this target in a substep of h s, its normal, depth and arm still to be filled in.
+    pub fn row(&self, terms: Terms, pair: u32, h: f64) -> Row {
+        Row {
+            terms,
+            shadow: self.shadow,
+            pair,
+            between: false,
+            normal: DVec3::ZERO,
+            depth: 0.0,
+            arm: DVec3::ZERO,
+            rigid_share: self.rigid_share,
+            friction: self.friction,
+            softness: self.stiffness.map_or(0.0, |k| softness(k, 0.0, h)),
+            drift: DVec3::ZERO,
+            carried: 0.0,
+            normal_impulse: 0.0,
+            friction_impulse: DVec3::ZERO,
+            mass: 0.0,
+            turning: 0.0,
+        }
     }
 }
 
@@ -95,16 +161,28 @@ pub fn wide_rotation(r: Rotation) -> DQuat {
     DQuat::from_xyzw(r.x.into(), r.y.into(), r.z.into(), r.w.into()).normalize()
 }
 
-/// Whether Rapier's rules let a deformable touch this collider: both enabled, no sensor, none of Rapier's own soft bodies,
-/// groups that agree, and solver groups that have not been emptied against everyone. A deformable counts as a dynamic body
+/// Whether Rapier's rules let a deformable meet this collider: both enabled, none of Rapier's own soft bodies, collision
+/// groups that agree. A deformable counts as a dynamic body
 /// with the usual collision types, and Rapier asks for the agreement of one side only, so the collider's do not matter.
 pub fn admits(collider: &Collider, body: Option<&RigidBody>, surface: &Surface) -> bool {
     collider.is_enabled()
         && body.is_none_or(|b| b.is_enabled() && !b.is_soft_frame())
-        && !collider.is_sensor()
         && collider.deformable_mesh_ref().is_none()
-        && InteractionGroups::all().test(collider.solver_groups())
         && surface.collision_groups.test(collider.collision_groups())
+}
+
+/// Whether an admitted collider pushes. Sensors, and those of solver groups that don't agree, only notice.
+pub fn pushes(collider: &Collider, surface: &Surface) -> bool {
+    !collider.is_sensor() && surface.solver_groups.test(collider.solver_groups())
+}
+
+/// A thickness that can be one \[m\], else 0.
+fn thickness(t: Real) -> f64 {
+    if t.is_finite() {
+        f64::from(t).max(0.0)
+    } else {
+        0.0
+    }
 }
 
 /// The target for an admitted collider; `None` where its shape is not one that nodes can touch.
@@ -113,8 +191,9 @@ pub fn target(
     collider: &Collider,
     bodies: &RigidBodySet,
     surface: &Surface,
+    forms: &mut Forms,
 ) -> Option<Target> {
-    let shape = Primitive::of(collider.shape())?;
+    let form = forms.of(collider.shared_shape())?;
     let parent = collider.parent().and_then(|h| bodies.get(h));
     // A collider's own pose is stale after its body was teleported: its pose relative to the body is not.
     let (offset, turn) = match (parent, collider.position_wrt_parent()) {
@@ -133,16 +212,25 @@ pub fn target(
         surface.friction_combine_rule,
         collider.friction_combine_rule(),
     );
+    let dominance = parent.map_or(i16::from(i8::MAX) + 1, |b| b.effective_dominance_group())
+        - i16::from(surface.dominance_group);
     Some(Target {
         collider: handle,
         body: parent.and(collider.parent()),
         shadow: 0,
-        shape,
+        form,
+        shape: collider.shared_shape().clone(),
         extent: offset.length()
             + f64::from(collider.shape().compute_local_bounding_sphere().radius),
         offset,
         turn,
         friction: f64::from(friction).max(0.0),
-        skin: collider.contact_skin().into(),
+        skin: thickness(collider.contact_skin()) + 0.5 * thickness(surface.thickness),
+        node_share: f64::from(dominance >= 0),
+        rigid_share: f64::from(dominance <= 0),
+        stiffness: surface
+            .stiffness
+            .map(f64::from)
+            .filter(|k| k.is_finite() && *k > 0.0),
     })
 }

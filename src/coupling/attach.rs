@@ -1,51 +1,280 @@
-//! Attachments: nodes held at points of a rigid body, both ways, with a force one can read.
+//! Attachments: points of a deformable held at points of a rigid body, of the world or of another deformable, both ways,
+//! with a force one can read and a strength.
+//!
+//! A held point is a sum of weighted nodes. A weld holds every node at a point of its own, which three nodes or more turn
+//! into a fixed rotation; a pin holds one point of all its nodes and leaves rotation free; a link is a weld through springs
+//! and dampers. Ties ask for the velocity that leads to where the anchor *will* be: a point of a turning body moves along a
+//! chord, and the rate at the start of a substep, ω × arm, would leave the node ½h²ω² arm behind in each.
 
+use super::ties::Average;
 use crate::body::state::State;
-use crate::contact::candidates::slot;
-use crate::math::{DVec3, Real};
-use crate::solve::rows::{Rows, Tie};
+use crate::contact::site::slot;
+use crate::law::row::link;
+use crate::math::{DQuat, DVec3, Real};
+use crate::solve::rows::{Rows, Term, Tie};
 use crate::solve::shadow::Shadow;
 use rapier3d::dynamics::RigidBodyHandle;
+use std::sync::Arc;
 
-/// Nodes of one deformable held at points of one rigid body.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Attachment<D> {
-    /// The deformable.
-    pub deformable: D,
-    /// The rigid body.
-    pub body: RigidBodyHandle,
-    /// Each node and its anchor relative to the body's centre of mass, in the body's axes \[m\].
-    pub anchors: Vec<(u32, DVec3)>,
-    /// Mean force the deformable exerted on the body in the last step \[N\].
-    pub force: DVec3,
-    /// Its mean torque about the body's centre of mass \[N·m\].
-    pub torque: DVec3,
+/// What nodes are attached to; `D` is a handle of a deformable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum To<D> {
+    /// A rigid body, with or without colliders.
+    Body(RigidBodyHandle),
+    /// Another deformable.
+    Deformable(D),
+    /// Points of the world, which never move.
+    World,
 }
 
-impl<D> Attachment<D> {
-    /// Adds a tie for every anchor.
-    pub fn add_ties(
+impl<D> From<RigidBodyHandle> for To<D> {
+    fn from(body: RigidBodyHandle) -> Self {
+        Self::Body(body)
+    }
+}
+
+/// How held points are held.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Hold {
+    /// Every node at its own point.
+    Weld,
+    /// One point of all the nodes; rotation is free.
+    Pin,
+    /// Every node at its own point, by a spring of zero rest length and a damper.
+    Link {
+        /// Of each node \[N/m\].
+        stiffness: f64,
+        /// Of each node \[N·s/m\].
+        damping: f64,
+    },
+}
+
+/// A node's part in a held point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Part {
+    /// Whether the node is one of the deformable that is attached to.
+    pub other: bool,
+    /// Its index.
+    pub node: u32,
+    /// Its weight; negative on the other side.
+    pub weight: f64,
+}
+
+/// A held point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point {
+    /// Its nodes.
+    pub parts: Vec<Part>,
+    /// Where it is held, relative to the body's centre of mass and in the body's axes \[m\]; 0 between deformables.
+    pub anchor: DVec3,
+}
+
+/// When, and under what, an attachment broke.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Break {
+    /// Force on the target \[N\].
+    pub force: DVec3,
+    /// Moment on the target \[N·m\].
+    pub moment: DVec3,
+    /// Simulated time \[s\].
+    pub time: f64,
+}
+
+/// An attachment as the world keeps it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bond<D> {
+    /// The deformable whose nodes are attached.
+    pub deformable: D,
+    /// What they are attached to.
+    pub target: To<D>,
+    /// How.
+    pub hold: Hold,
+    /// The nodes, in ascending order.
+    pub nodes: Arc<[u32]>,
+    /// The held points.
+    pub points: Arc<[Point]>,
+    /// About which the moment is taken, as an anchor is given; between deformables it is the mean of the held points.
+    pub pivot: DVec3,
+    /// Force at which it breaks \[N\].
+    pub strength: f64,
+    /// Moment at which it breaks \[N·m\].
+    pub moment_strength: f64,
+    /// Mean force on the target in the last rigid step \[N\].
+    pub force: DVec3,
+    /// Its mean moment about the pivot \[N·m\].
+    pub moment: DVec3,
+    /// Its mean torque about the rigid body's centre of mass \[N·m\].
+    pub torque: DVec3,
+    /// Elastic energy in the springs of a link \[J\].
+    pub energy: f64,
+    /// What is held against the strength.
+    pub average: Average,
+    /// Set once it has broken.
+    pub broken: Option<Break>,
+    /// Whether something was moved from outside: the nodes are led back at a limited speed.
+    pub loose: bool,
+}
+
+/// One side of an attachment within a substep.
+pub struct Side<'a> {
+    /// Index of the deformable within its group.
+    pub member: u32,
+    /// Its nodes.
+    pub state: &'a State<Real>,
+    /// Maps its nodes to row nodes.
+    pub slots: &'a mut [u32],
+}
+
+impl<D> Bond<D> {
+    /// Whether its strength was exceeded.
+    pub fn is_broken(&self) -> bool {
+        self.broken.is_some()
+    }
+
+    /// Whether it gives way elastically.
+    pub fn is_link(&self) -> bool {
+        matches!(self.hold, Hold::Link { .. })
+    }
+
+    /// The rigid body that it holds to, if it does.
+    pub fn body(&self) -> Option<RigidBodyHandle> {
+        match self.target {
+            To::Body(body) => Some(body),
+            _ => None,
+        }
+    }
+
+    /// From each anchor to its held point \[m\]. `com` and `rot` are those of the rigid body.
+    pub fn errors(
+        &self,
+        com: DVec3,
+        rot: DQuat,
+        own: &State<Real>,
+        other: Option<&State<Real>>,
+    ) -> impl Iterator<Item = DVec3> {
+        let between = matches!(self.target, To::Deformable(_));
+        self.points.iter().map(move |point| {
+            let held = position(point, own, other);
+            if between {
+                held
+            } else {
+                held - (com + rot * point.anchor)
+            }
+        })
+    }
+
+    /// Adds a tie for every held point, and returns where the pivot is relative to the arms of the ties.
+    pub fn add_ties<'a>(
         &self,
         index: u32,
-        body: u32,
+        h: f64,
         shadow: (u32, &Shadow),
-        state: &State<Real>,
-        slots: &mut [u32],
+        mut own: Side<'a>,
+        mut other: Option<Side<'a>>,
         rows: &mut Rows,
-    ) {
-        for &(node, anchor) in &self.anchors {
-            let arm = shadow.1.rot * anchor;
-            let error = state.position(node as usize) - (shadow.1.com + arm);
-            let node = slot(body, node, state, slots, rows);
-            rows.ties.push(Tie {
-                node,
-                shadow: shadow.0,
+    ) -> DVec3 {
+        let between = other.is_some();
+        let (number, shadow) = shadow;
+        for point in self.points.iter() {
+            let first = rows.terms.len();
+            let (mut at, mut held, mut before) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
+            for part in &point.parts {
+                let side = match &mut other {
+                    Some(other) if part.other => other,
+                    _ => &mut own,
+                };
+                let x = side.state.position(part.node as usize);
+                let node = slot(side.member, part.node, side.state, side.slots, rows);
+                at += x * part.weight;
+                before += rows.nodes[node as usize].before * part.weight;
+                if !part.other {
+                    held += x * part.weight;
+                }
+                rows.terms.push(Term {
+                    node,
+                    weight: part.weight,
+                    share: part.weight,
+                });
+            }
+            let arm = if between {
+                held
+            } else {
+                shadow.rot * point.anchor
+            };
+            let error = if between { at } else { at - (shadow.com + arm) };
+            let (ahead, behind) = if between {
+                (DVec3::ZERO, DVec3::ZERO)
+            } else {
+                (chord(shadow.w, arm, h), chord(shadow.before.1, arm, -h))
+            };
+            let mut tie = Tie {
+                terms: rows.terms_since(first),
+                between,
+                shadow: if between { 0 } else { number },
                 attachment: index,
                 arm,
                 error,
+                before: before - behind,
+                chord: ahead,
+                bias: ahead,
+                softness: 0.0,
                 impulse: DVec3::ZERO,
                 mass: Default::default(),
-            });
+            };
+            if !between {
+                tie.before -= shadow.velocity_before(arm);
+            }
+            if let Hold::Link { stiffness, damping } = self.hold {
+                let (softness, pull, carry) = link(stiffness, damping, h);
+                tie.softness = softness;
+                tie.bias += tie.before * carry - error * pull;
+            }
+            rows.ties.push(tie);
+        }
+        if between {
+            let own = &rows.ties[rows.ties.len() - self.points.len()..];
+            own.iter().map(|t| t.arm).sum::<DVec3>() / own.len().max(1) as f64
+        } else {
+            shadow.rot * self.pivot
+        }
+    }
+}
+
+/// Where a held point is, less where it is held on another deformable \[m\].
+fn position(point: &Point, own: &State<Real>, other: Option<&State<Real>>) -> DVec3 {
+    let at = |part: &Part| {
+        let state = if part.other { other } else { Some(own) };
+        state.map_or(DVec3::ZERO, |s| {
+            s.position(part.node as usize) * part.weight
+        })
+    };
+    point.parts.iter().map(at).sum()
+}
+
+/// What the mean velocity of a point turning at `w` over h s differs from its velocity at the start \[m/s\]; with a
+/// negative h, over the time before.
+fn chord(w: DVec3, arm: DVec3, h: f64) -> DVec3 {
+    (DQuat::from_scaled_axis(w * h) * arm - arm) / h - w.cross(arm)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_chord_ends_where_the_point_is() {
+        let (w, arm, h) = (
+            DVec3::new(3.0, -20.0, 5.0),
+            DVec3::new(0.4, 0.1, -0.7),
+            1e-3,
+        );
+        for h in [h, -h] {
+            let end = arm + (w.cross(arm) + chord(w, arm, h)) * h;
+            assert!((end.length() - arm.length()).abs() < 1e-12);
+            let centripetal = w.cross(w.cross(arm)) * (0.5 * h);
+            assert!((chord(w, arm, h) - centripetal).length() < 0.02 * centripetal.length());
         }
     }
 }

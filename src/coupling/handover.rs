@@ -23,8 +23,8 @@ pub struct Pending {
     /// The user's own force and torque, to be restored exactly.
     user: (Vector, Vector),
     /// Velocity before the step, and the change a free body would make.
-    before: DVec3,
-    free: DVec3,
+    before: (DVec3, DVec3),
+    free: (DVec3, DVec3),
 }
 
 impl Pending {
@@ -39,8 +39,8 @@ impl Pending {
             answer: Answer::None,
             given: (DVec3::ZERO, DVec3::ZERO),
             user: (Vector::ZERO, Vector::ZERO),
-            before: DVec3::ZERO,
-            free: DVec3::ZERO,
+            before: Default::default(),
+            free: Default::default(),
         }
     }
 }
@@ -58,7 +58,7 @@ pub fn before_step(
     let mut pending = Pending {
         answer,
         user: (body.user_force(), body.user_torque()),
-        before: wide(body.linvel()),
+        before: (wide(body.linvel()), wide(body.angvel())),
         ..Pending::nothing()
     };
     let (acceleration, spin_up) = free_acceleration(body, gravity);
@@ -82,7 +82,10 @@ pub fn before_step(
         }
         Answer::Jointed | Answer::Held => {
             let inv_mass = wide(body.mass_properties().effective_inv_mass);
-            pending.free = end.impulse * inv_mass + acceleration * dt;
+            pending.free = (
+                end.impulse * inv_mass + acceleration * dt,
+                inv_inertia(body) * end.torque + spin_up * dt,
+            );
             let mut early = DVec3::ZERO;
             // With one solver iteration Rapier gives force and impulse the same displacement: nothing to split.
             if answer == Answer::Jointed && displacement_share(body, parameters) < 1.0 {
@@ -150,7 +153,13 @@ pub fn after_step(
             body.reset_torques(false);
             body.add_force(pending.user.0, false);
             body.add_torque(pending.user.1, false);
-            memory.answer(wide(body.linvel()) - pending.before, pending.free);
+            let (v, w) = pending.before;
+            memory.answer(
+                wide(body.linvel()) - v,
+                pending.free.0,
+                wide(body.angvel()) - w,
+                pending.free.1,
+            );
         }
     }
     0.5 * (end.impulse.dot(end.v - wide(body.linvel()))

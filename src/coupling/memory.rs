@@ -7,7 +7,7 @@ use crate::math::DVec3;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyMemory {
     /// Response ratio ρ in [0, 1]: 1 for a body that answers like a free one. `None` until first guessed.
-    pub response: Option<f64>,
+    pub response: Option<Response>,
     /// Moving average of the impulse per second it receives \[N\].
     pub load: DVec3,
     /// How long it has been asleep \[s\].
@@ -20,6 +20,26 @@ pub struct BodyMemory {
     pub near: bool,
     /// The last step in which a deformable could touch it.
     pub seen: u64,
+}
+
+/// How much of a free body's answer a constrained one gives: what rests on a floor is held up by it and can still be pushed
+/// along, and what hangs on a hinge turns though it is held.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Response {
+    /// Along each axis of the world.
+    pub along: DVec3,
+    /// About each axis of the world.
+    pub about: DVec3,
+}
+
+impl Response {
+    /// The same for everything.
+    pub fn all(ratio: f64) -> Self {
+        Self {
+            along: DVec3::splat(ratio),
+            about: DVec3::splat(ratio),
+        }
+    }
 }
 
 impl Default for BodyMemory {
@@ -58,13 +78,15 @@ impl BodyMemory {
     }
 
     /// Takes the response of a constrained body: it was given enough to change its velocity by `free`, and changed by
-    /// `actual` \[m/s\].
-    pub fn answer(&mut self, actual: DVec3, free: DVec3) {
+    /// `actual` \[m/s\], and its spin by `turned` where it would have been by `free_turn` \[rad/s\].
+    pub fn answer(&mut self, actual: DVec3, free: DVec3, turned: DVec3, free_turn: DVec3) {
         let squared = free.length_squared();
         if squared > 0.0 {
-            let measured = (actual.dot(free) / squared).clamp(0.0, 1.0);
-            let old = self.response.unwrap_or(measured);
-            self.response = Some(0.5 * (old + measured));
+            let mean = (actual.dot(free) / squared).clamp(0.0, 1.0);
+            let mut response = self.response.unwrap_or(Response::all(mean));
+            response.along = learn(response.along, actual, free);
+            response.about = learn(response.about, turned, free_turn);
+            self.response = Some(response);
         }
     }
 
@@ -92,5 +114,52 @@ impl BodyMemory {
             }
             Some(baseline) => (self.load - baseline).length() > 0.3 * weight.max(baseline.length()),
         }
+    }
+}
+
+/// Mixes what was measured along each axis into what was known. An axis along which next to nothing was given tells next
+/// to nothing; none answers less than the whole does along what it was given, for a guess too low makes it overshoot.
+fn learn(old: DVec3, actual: DVec3, free: DVec3) -> DVec3 {
+    let squared = free.length_squared();
+    if !(squared.is_finite() && actual.is_finite()) {
+        return old;
+    }
+    let mean = (actual.dot(free) / squared).clamp(0.0, 1.0);
+    let along = |old: f64, v: f64, f: f64| {
+        if f == 0.0 {
+            return old;
+        }
+        let trust = f * f / (f * f + 0.01 * squared);
+        old + 0.5 * trust * ((v / f).max(mean).min(1.0) - old)
+    };
+    DVec3::new(
+        along(old.x, actual.x, free.x),
+        along(old.y, actual.y, free.y),
+        along(old.z, actual.z, free.z),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_floor_holds_up_can_still_be_pushed_along() {
+        let mut memory = BodyMemory {
+            response: Some(Response::all(0.2)),
+            ..BodyMemory::default()
+        };
+        for _ in 0..40 {
+            let (given, got) = (DVec3::new(0.4, -1.0, 0.0), DVec3::new(0.2, 0.0, 0.0));
+            memory.answer(got, given, DVec3::ZERO, DVec3::ZERO);
+        }
+        let along = memory.response.unwrap().along;
+        assert!((along.x - 0.5).abs() < 1e-3, "{along}");
+        assert!(along.y < 0.1, "{along}");
+        assert_eq!(
+            (along.z, memory.response.unwrap().about.x),
+            (0.2, 0.2),
+            "nothing was tried"
+        );
     }
 }

@@ -8,4 +8,6 @@
 pub mod attach;
 pub mod handover;
 pub mod memory;
+pub mod nearest;
 pub mod observe;
+pub mod ties;

@@ -1,6 +1,6 @@
 //! Reading a rigid body: its shadow, and whether something rigid holds it.
 
-use super::memory::BodyMemory;
+use super::memory::{BodyMemory, Response};
 use crate::contact::target::wide_rotation;
 use crate::math::{DMat3, DVec3, Vector, wide};
 use crate::solve::shadow::Shadow;
@@ -32,7 +32,7 @@ pub struct Surroundings<'a> {
 /// How a rigid body answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Answer {
-    /// Not at all: fixed, kinematic, asleep, or dominant.
+    /// Not at all: fixed, kinematic or asleep.
     None,
     /// Like a free body.
     Free,
@@ -81,7 +81,7 @@ pub fn inv_inertia(body: &RigidBody) -> DMat3 {
 pub fn shadow(
     body: &RigidBody,
     answer: Answer,
-    response: f64,
+    response: Response,
     around: &Surroundings,
     dt: f64,
 ) -> Shadow {
@@ -101,10 +101,10 @@ pub fn shadow(
         return shadow;
     }
     let (acceleration, spin_up) = free_acceleration(body, around.gravity);
-    shadow.inv_mass = wide(body.mass_properties().effective_inv_mass) * response;
-    shadow.inv_inertia = inv_inertia(body) * response;
-    shadow.acceleration = acceleration * response;
-    shadow.spin_up = spin_up * response;
+    shadow.inv_mass = wide(body.mass_properties().effective_inv_mass) * response.along;
+    shadow.inv_inertia = scaled(inv_inertia(body), response.about);
+    shadow.acceleration = acceleration * response.along;
+    shadow.spin_up = spin_up * response.about;
     if answer == Answer::Free {
         shadow.lead = (displacement_share(body, around.parameters) - 0.5) * dt;
     }
@@ -117,6 +117,12 @@ pub fn shadow(
         }
     }
     shadow
+}
+
+/// A symmetric matrix scaled about each axis.
+fn scaled(m: DMat3, by: DVec3) -> DMat3 {
+    let root = DMat3::from_diagonal(DVec3::new(by.x.sqrt(), by.y.sqrt(), by.z.sqrt()));
+    root * m * root
 }
 
 /// Velocity of the centre of mass and angular velocity over a rigid step of `dt` s.
@@ -140,7 +146,7 @@ pub fn velocity(body: &RigidBody, dt: f64) -> (DVec3, DVec3) {
 
 /// How a body will answer in this step.
 pub fn answer(handle: RigidBodyHandle, body: &RigidBody, around: &Surroundings) -> Answer {
-    if !body.is_dynamic() || body.is_sleeping() || body.effective_dominance_group() > 0 {
+    if !body.is_dynamic() || body.is_sleeping() {
         Answer::None
     } else if is_link(handle, around) {
         // Rapier rewrites the velocity of a link from its joint coordinates: impulses are lost on it, forces are not.
@@ -179,14 +185,14 @@ pub fn response(
     answer: Answer,
     memory: &mut BodyMemory,
     around: &Surroundings,
-) -> f64 {
+) -> Response {
     if !matches!(answer, Answer::Jointed | Answer::Held) {
         memory.response = None;
-        return 1.0;
+        return Response::all(1.0);
     }
     *memory
         .response
-        .get_or_insert_with(|| first_guess(handle, body, answer, around))
+        .get_or_insert_with(|| Response::all(first_guess(handle, body, answer, around)))
 }
 
 /// Jointed to something that never moves: 0. Jointed to others: its share of their mass. Held by contacts only: 0.2.

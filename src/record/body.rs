@@ -108,7 +108,7 @@ impl BodyRecord {
         self.edges.push(s.time);
         let own = self.deformable;
         for pair in s.contacts.iter().filter(|p| p.deformable == own) {
-            let interface = Interface::Collider(pair.collider);
+            let interface = Interface::from(pair.partner);
             if pair.touching > 0 || pair.depth > 0.0 {
                 let channel = self.channel(interface);
                 channel.add(index, pair.impulse, s.time);
@@ -176,9 +176,13 @@ impl BodyRecord {
         });
     }
 
-    /// Largest energy residual of any sample \[1\].
+    /// Largest energy residual of any sample \[1\]. A body at rest has but the rounding of its springs to be measured
+    /// against, so samples before it had a billionth of its largest energy don't count.
     pub fn max_residual(&self) -> f64 {
-        self.ledger.iter().map(|s| s.residual).fold(0.0, f64::max)
+        let stirred = |s: &&LedgerSample| s.energies.scale() > 1.0e-9 * self.scale;
+        let first = self.ledger.iter().position(|s| stirred(&s));
+        let counted = self.ledger.iter().skip(first.unwrap_or(0));
+        counted.map(|s| s.residual).fold(0.0, f64::max)
     }
 
     /// The channel of an interface, if it ever acted.

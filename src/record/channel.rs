@@ -6,7 +6,7 @@
 
 use super::resample::{ResampleError, Resampled, resample};
 use crate::math::DVec3;
-use crate::world::AttachmentHandle;
+use crate::world::{AttachmentHandle, DeformableHandle, Partner};
 use rapier3d::geometry::ColliderHandle;
 
 /// What acts on a deformable.
@@ -14,8 +14,19 @@ use rapier3d::geometry::ColliderHandle;
 pub enum Interface {
     /// Contact with a collider.
     Collider(ColliderHandle),
+    /// Contact with another deformable.
+    Deformable(DeformableHandle),
     /// An attachment to a rigid body.
     Attachment(AttachmentHandle),
+}
+
+impl From<Partner> for Interface {
+    fn from(partner: Partner) -> Self {
+        match partner {
+            Partner::Collider(handle) => Self::Collider(handle),
+            Partner::Deformable(handle) => Self::Deformable(handle),
+        }
+    }
 }
 
 /// The impulses of one interface, one per substep of its deformable.
@@ -23,13 +34,13 @@ pub enum Interface {
 pub struct Channel {
     /// What acts.
     pub interface: Interface,
-    /// Impulse on the deformable in each substep \[N·s\]; 0 where the collider was out of reach.
+    /// Impulse on the deformable in each substep \[N·s\]; 0 where the other side was out of reach.
     pub impulses: Vec<DVec3>,
-    /// Deepest node so far \[m\].
+    /// Deepest point so far \[m\].
     pub max_depth: f64,
     /// When it was that deep \[s\].
     pub depth_time: f64,
-    /// Most nodes that received an impulse in one substep.
+    /// Most points that received an impulse in one substep.
     pub max_touching: u32,
     /// First and last end of a substep with an impulse \[s\].
     pub touched: Option<[f64; 2]>,

@@ -5,6 +5,8 @@
 
 use super::mesh::Mesh;
 use crate::math::{Pose, Real, Vector};
+use rapier3d::geometry::HeightField;
+use std::collections::BTreeMap;
 use std::f32::consts::PI;
 
 /// Segments around a round shape.
@@ -52,6 +54,37 @@ impl Mesh {
         let mut profile = arc(radius, -half_height, -0.5 * PI, 0.0, 10);
         profile.extend(arc(radius, half_height, 0.0, 0.5 * PI, 10));
         revolve(&[profile], pose, color)
+    }
+
+    /// Triangles over vertices in a frame of their own \[m\].
+    pub fn triangles(
+        vertices: &[Vector],
+        triangles: Vec<[u32; 3]>,
+        pose: &Pose,
+        color: [f32; 3],
+    ) -> Self {
+        let vertices = vertices.iter().map(|v| pose.transform_point(*v));
+        Self::new(vertices.collect(), triangles, color)
+    }
+
+    /// A height field. Its triangles come with corners of their own; equal ones are made one, so that neighbours are
+    /// known as such and only creases are outlined.
+    pub fn height_field(field: &HeightField, pose: &Pose, color: [f32; 3]) -> Self {
+        let (corners, triangles) = field.to_trimesh();
+        let (mut vertices, mut known) = (Vec::new(), BTreeMap::new());
+        let ids: Vec<u32> = corners
+            .iter()
+            .map(|p| {
+                *known
+                    .entry(p.to_array().map(Real::to_bits))
+                    .or_insert_with(|| {
+                        vertices.push(*p);
+                        vertices.len() as u32 - 1
+                    })
+            })
+            .collect();
+        let triangles = triangles.iter().map(|t| t.map(|i| ids[i as usize]));
+        Self::triangles(&vertices, triangles.collect(), pose, color)
     }
 }
 
@@ -127,6 +160,20 @@ mod tests {
         near(Mesh::ball(1.0, &pose, grey), 4.0 / 3.0 * PI);
         near(Mesh::cylinder(1.5, 0.5, &pose, grey), 0.75 * PI);
         near(Mesh::capsule(1.0, 0.5, &pose, grey), 0.5 * PI + PI / 6.0);
+    }
+
+    #[test]
+    fn a_height_field_is_one_sheet_where_it_stands() {
+        let heights = rapier3d::parry::utils::Array2::repeat(4, 3, 0.5);
+        let field = HeightField::new(heights, Vector::new(2.0, 1.0, 3.0));
+        let pose = Pose::from_translation(Vector::new(0.0, 1.0, 10.0));
+        let mesh = Mesh::height_field(&field, &pose, [0.5; 3]);
+        assert_eq!((mesh.vertices.len(), mesh.triangles.len()), (12, 12));
+        let (lo, hi) = mesh.bounds().unwrap();
+        assert!(lo.distance(Vector::new(-1.0, 1.5, 8.5)) < 1.0e-5, "{lo}");
+        assert!(hi.distance(Vector::new(1.0, 1.5, 11.5)) < 1.0e-5, "{hi}");
+        // The rim only: neighbours share their edges.
+        assert_eq!(mesh.outline().len(), 10);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Draws frames of a run: skins coloured by plastic strain, rigid boxes and balls, the ground.
+//! Draws frames of a run: skins coloured by plastic strain, rigid shapes, the ground.
 //!
 //! One camera for all frames of a run, placed so that everything that moves stays in the picture, because a series of
 //! pictures is compared by eye. What a car is recognised by (glass, tyres, rims, lamps) keeps its own colour; the rest
@@ -9,7 +9,7 @@ use super::color::{ColorBar, colormap, mix};
 use super::ground::Ground;
 use super::mesh::Mesh;
 use super::picture::Picture;
-use crate::math::{Real, Vector};
+use crate::math::{Pose, Real, Vector};
 use crate::record::frame::{Frame, FrameBody, FrameCollider};
 use rapier3d::geometry::{ColliderHandle, TypedShape};
 use std::ops::Range;
@@ -25,13 +25,18 @@ pub struct Stage {
     /// Width and height \[pixels\].
     pub size: [u32; 2],
     /// Runs of the first deformable's triangles with a colour of their own, by name: `glass`, `tyre`, `rim`, `lamp`;
-    /// others show their strain.
+    /// others show their strain. They hold for every deformable with as many triangles as the first.
     pub parts: Vec<(String, Range<usize>)>,
     /// The collider that is drawn as a plane instead of a box.
     pub ground: Option<ColliderHandle>,
     /// Plastic strain at the end of the colour scale \[1\].
     pub max_strain: f64,
+    /// Radius of the beads that stand for the nodes of a body without triangles \[m\].
+    pub bead: Real,
 }
+
+/// Radius of a bead, over the diagonal of what moves \[1\].
+const BEAD: Real = 0.004;
 
 impl Stage {
     /// A camera that looks along −`from` and sees everything that moves in any of the frames.
@@ -74,6 +79,7 @@ impl Stage {
             parts: Vec::new(),
             ground: None,
             max_strain: 0.4,
+            bead: BEAD * (hi - lo).length(),
         }
     }
 
@@ -82,8 +88,9 @@ impl Stage {
         let [width, height] = self.size;
         let mut picture = Picture::new(width, height);
         let mut meshes = Vec::new();
-        for (i, body) in frame.bodies.iter().enumerate() {
-            self.body(body, i == 0, &mut meshes);
+        let first = frame.bodies.first().map_or(0, |b| b.triangles.len());
+        for body in &frame.bodies {
+            self.body(body, body.triangles.len() == first, &mut meshes);
         }
         let soft = meshes.len();
         let rigid = frame
@@ -115,7 +122,7 @@ impl Stage {
         picture
     }
 
-    fn body(&self, body: &FrameBody, first: bool, meshes: &mut Vec<Mesh>) {
+    fn body(&self, body: &FrameBody, has_parts: bool, meshes: &mut Vec<Mesh>) {
         let strain_colors: Vec<[f32; 3]> = body
             .strain
             .iter()
@@ -130,8 +137,14 @@ impl Stage {
             triangles: triangles.to_vec(),
             smooth: true,
         };
+        if body.triangles.is_empty() {
+            let beads = body.vertices.iter().zip(&strain_colors);
+            meshes.extend(
+                beads.map(|(at, c)| Mesh::ball(self.bead, &Pose::from_translation(*at), *c)),
+            );
+        }
         let mut drawn = vec![false; body.triangles.len()];
-        for (name, range) in self.parts.iter().filter(|_| first) {
+        for (name, range) in self.parts.iter().filter(|_| has_parts) {
             let Some(triangles) = body.triangles.get(range.clone()) else {
                 continue;
             };
@@ -177,6 +190,10 @@ fn shape(c: &FrameCollider) -> Option<Mesh> {
         TypedShape::Cuboid(s) => Mesh::cuboid(s.half_extents, &c.pose, color),
         TypedShape::Ball(s) => Mesh::ball(s.radius, &c.pose, color),
         TypedShape::Cylinder(s) => Mesh::cylinder(s.half_height, s.radius, &c.pose, color),
+        TypedShape::HeightField(s) => Mesh::height_field(s, &c.pose, color),
+        TypedShape::TriMesh(s) => {
+            Mesh::triangles(s.vertices(), s.indices().to_vec(), &c.pose, color)
+        }
         _ => return None,
     })
 }

@@ -1,6 +1,6 @@
 //! All scenes by name.
 
-use super::{Scene, drop, wall};
+use super::{Scene, cradle, drop, pile, pole, slalom, terrain, thin_plate, trampoline, wall};
 
 /// There is no scene of this name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -24,7 +24,17 @@ fn hint(suggestion: Option<&'static str>) -> String {
 
 /// Every scene.
 pub fn all() -> &'static [Scene] {
-    &[wall::SCENE, drop::SCENE]
+    &[
+        wall::SCENE,
+        drop::SCENE,
+        pole::SCENE,
+        terrain::SCENE,
+        slalom::SCENE,
+        trampoline::SCENE,
+        pile::SCENE,
+        thin_plate::SCENE,
+        cradle::SCENE,
+    ]
 }
 
 /// The scene of a name.

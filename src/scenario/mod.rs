@@ -6,9 +6,17 @@
 
 pub mod car;
 pub mod catalog;
+pub mod cradle;
 pub mod drop;
 pub mod figures;
+pub mod pile;
+pub mod pole;
 pub mod run;
+pub mod slalom;
+pub mod survey;
+pub mod terrain;
+pub mod thin_plate;
+pub mod trampoline;
 pub mod wall;
 
 pub use catalog::{UnknownScene, all, find};

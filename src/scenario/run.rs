@@ -1,7 +1,8 @@
 //! A scene that runs: the two worlds, the recorder, and names for what takes part.
 
+use super::survey::mechanical_energy;
 use super::{Figures, Options};
-use crate::math::Real;
+use crate::math::{Real, Vector};
 use crate::record::{Frame, Recorder};
 use crate::world::{AttachmentHandle, DeformableHandle, DeformableWorld};
 use rapier3d::dynamics::RigidBodyHandle;
@@ -19,7 +20,8 @@ pub struct Cast {
     pub rigid: Vec<(String, Option<RigidBodyHandle>, ColliderHandle)>,
     /// Attachments.
     pub attachments: Vec<(String, AttachmentHandle)>,
-    /// Runs of the first deformable's skin triangles that are drawn in a colour of their own (glass, tyres).
+    /// Runs of the first deformable's skin triangles that are drawn in a colour of their own (glass, tyres), and of all
+    /// whose skins have as many.
     pub parts: Vec<(String, Range<usize>)>,
 }
 
@@ -59,6 +61,8 @@ pub struct Run {
     pub frames: Vec<Frame>,
     /// When frames are taken, each at the end of the step nearest to it \[s\]; ascending.
     pub frame_times: Vec<f64>,
+    /// From which direction pictures are taken.
+    pub view: Vector,
     /// Substeps of the deformable that took most.
     pub substeps: u64,
     /// Spring forces evaluated.
@@ -69,6 +73,10 @@ pub struct Run {
     pub wall_s: f64,
     /// Steps made.
     pub steps: u64,
+    /// Mechanical energy of everything that moves freely at the beginning and after every step \[J\].
+    pub energy: Vec<f64>,
+    /// What the scene does before every step, such as to move a platform.
+    pub lead: Option<fn(&mut Run)>,
     most: Vec<(DeformableHandle, u64)>,
 }
 
@@ -91,11 +99,14 @@ impl Run {
             options: *options,
             frames: Vec::new(),
             frame_times: Vec::new(),
+            view: Vector::new(-0.05, 0.38, 1.0),
             substeps: 0,
             spring_updates: 0,
             coupling_defect: 0.0,
             wall_s: 0.0,
             steps: 0,
+            energy: Vec::new(),
+            lead: None,
             most: Vec::new(),
         }
     }
@@ -111,11 +122,19 @@ impl Run {
         if self.steps >= self.total_steps() {
             return false;
         }
+        if self.energy.is_empty() {
+            self.energy = vec![mechanical_energy(&self.world, &self.deformables)];
+        }
+        if let Some(lead) = self.lead {
+            lead(self);
+        }
         let start = Instant::now();
         self.deformables
             .step_with(&mut self.world, &(), &(), &mut self.recorder);
         self.wall_s += start.elapsed().as_secs_f64();
         self.steps += 1;
+        let energy = mechanical_energy(&self.world, &self.deformables);
+        self.energy.push(energy);
         let report = self.deformables.report();
         self.spring_updates += report.spring_updates;
         self.coupling_defect += report.coupling_defect.abs();

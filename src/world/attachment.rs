@@ -1,11 +1,141 @@
-//! Attachments of nodes to rigid bodies, as the world keeps them.
+//! What a user says of an attachment, and what can be wrong with it.
 
-use super::{AttachmentHandle, DeformableHandle, DeformableWorld, RapierParts};
+use super::DeformableHandle;
 use crate::body::NodeId;
-use crate::contact::target::wide_rotation;
-use crate::coupling::attach::Attachment;
-use crate::math::{DVec3, wide};
-use rapier3d::dynamics::{RigidBodyHandle, RigidBodySet};
+use crate::coupling::attach::{Hold, To};
+use crate::math::{Real, Vector};
+use rapier3d::dynamics::RigidBodyHandle;
+
+/// What nodes are attached to: a rigid body, another deformable, or the world.
+pub type AttachTo = To<DeformableHandle>;
+
+impl From<DeformableHandle> for AttachTo {
+    fn from(deformable: DeformableHandle) -> Self {
+        Self::Deformable(deformable)
+    }
+}
+
+/// Nodes to be attached, how, and how strongly.
+///
+/// A tow rope that breaks at 500 N:
+///
+/// ```
+/// use crumple::prelude::*;
+/// use crumple::rapier3d::prelude::*;
+/// let mut world = PhysicsWorld::default();
+/// let load = world.insert_body(
+///     RigidBodyBuilder::dynamic().additional_mass(100.0).translation(Vector::new(0.0, -1.0, 0.0)),
+/// );
+/// let mut deformables = DeformableWorld::default();
+/// let line = deformables.insert(
+///     DeformableBuilder::new(rope(Vector::ZERO, Vector::new(0.0, -1.0, 0.0), 4, 1e-4)?)
+///         .material(Material::elastic(1.0e8, 1000.0).viscosity(1.0e5)),
+/// )?;
+/// let hook = Attachment::pin([NodeId(0)]);
+/// deformables.attach(line, hook, AttachTo::World, &world.bodies)?;
+/// let eye = Attachment::pin([NodeId(4)]).strength(500.0); // half of the load's weight
+/// let eye = deformables.attach(line, eye, load, &world.bodies)?;
+/// for _ in 0..60 {
+///     deformables.step(&mut world);
+/// }
+/// let broken = deformables.attachment(eye).and_then(|a| a.broken).expect("981 N hang on it");
+/// println!("broke at {:.0} N after {:.4} s", broken.force.length(), broken.time);
+/// assert!(broken.force.length() >= 500.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Attachment {
+    pub(super) nodes: Vec<NodeId>,
+    pub(super) hold: Hold,
+    pub(super) at: Option<Vector>,
+    pub(super) damping: Option<Real>,
+    pub(super) strength: Real,
+    pub(super) moment_strength: Real,
+}
+
+impl Attachment {
+    fn new(nodes: impl IntoIterator<Item = NodeId>, hold: Hold) -> Self {
+        Self {
+            nodes: nodes.into_iter().collect(),
+            hold,
+            at: None,
+            damping: None,
+            strength: Real::INFINITY,
+            moment_strength: Real::INFINITY,
+        }
+    }
+
+    /// Holds every node at its own point, where it is when it is attached. Three nodes or more that are not in line hold the
+    /// rotation as well.
+    pub fn weld(nodes: impl IntoIterator<Item = NodeId>) -> Self {
+        Self::new(nodes, Hold::Weld)
+    }
+
+    /// Holds the centre of mass of the nodes, or the point given by [`Self::at`], and leaves rotation free: a ball joint.
+    pub fn pin(nodes: impl IntoIterator<Item = NodeId>) -> Self {
+        Self::new(nodes, Hold::Pin)
+    }
+
+    /// Holds every node where it is when it is attached, by a spring of `stiffness` N/m and zero rest length. It is stable
+    /// at any stiffness, and its energy counts as the deformable's.
+    pub fn link(nodes: impl IntoIterator<Item = NodeId>, stiffness: Real) -> Self {
+        let hold = Hold::Link {
+            stiffness: stiffness.into(),
+            damping: 0.0,
+        };
+        Self::new(nodes, hold)
+    }
+
+    /// Damping of each node of a link \[N·s/m\].
+    pub fn damping(mut self, damping: Real) -> Self {
+        self.damping = Some(damping);
+        self
+    }
+
+    /// A point of the world \[m\]: what a pin turns about, which must be within reach of its nodes (in their plane, or on
+    /// their line, if they lie in one); for the others, what the moment is taken about.
+    pub fn at(mut self, point: Vector) -> Self {
+        self.at = Some(point);
+        self
+    }
+
+    /// Resultant force at which it breaks \[N\]. The force is an average over 0.1 ms, or over a substep if that is longer: a
+    /// single hard blow has an impulse and no force that would not depend on the substep.
+    pub fn strength(mut self, force: Real) -> Self {
+        self.strength = force;
+        self
+    }
+
+    /// Resultant moment at which it breaks \[N·m\], about the point given by [`Self::at`], or else the mean of the nodes.
+    pub fn moment_strength(mut self, moment: Real) -> Self {
+        self.moment_strength = moment;
+        self
+    }
+}
+
+impl From<&[NodeId]> for Attachment {
+    fn from(nodes: &[NodeId]) -> Self {
+        Self::weld(nodes.iter().copied())
+    }
+}
+
+impl From<&Vec<NodeId>> for Attachment {
+    fn from(nodes: &Vec<NodeId>) -> Self {
+        Self::weld(nodes.iter().copied())
+    }
+}
+
+impl<const N: usize> From<&[NodeId; N]> for Attachment {
+    fn from(nodes: &[NodeId; N]) -> Self {
+        Self::weld(nodes.iter().copied())
+    }
+}
+
+impl From<&Self> for Attachment {
+    fn from(attachment: &Self) -> Self {
+        attachment.clone()
+    }
+}
 
 /// Why nodes can't be attached.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -28,62 +158,35 @@ pub enum AttachError {
     /// No nodes were given.
     #[error("no nodes to attach")]
     NoNodes,
-}
-
-impl DeformableWorld {
-    /// Holds nodes of a deformable where they are now relative to a rigid body, both ways.
-    ///
-    /// # Errors
-    /// An unknown deformable, body or node, or no nodes at all.
-    pub fn attach(
-        &mut self,
-        deformable: DeformableHandle,
-        nodes: &[NodeId],
-        body: RigidBodyHandle,
-        bodies: &RigidBodySet,
-    ) -> Result<AttachmentHandle, AttachError> {
-        let soft = self
-            .get(deformable)
-            .ok_or(AttachError::UnknownDeformable(deformable))?;
-        let rigid = bodies.get(body).ok_or(AttachError::UnknownBody(body))?;
-        if nodes.is_empty() {
-            return Err(AttachError::NoNodes);
-        }
-        let turn = wide_rotation(rigid.position().rotation);
-        let com = wide(rigid.position().translation) + turn * wide(rigid.local_center_of_mass());
-        let mut anchors = Vec::with_capacity(nodes.len());
-        for &node in nodes {
-            let position = soft.position(node).ok_or(AttachError::UnknownNode {
-                node: node.0,
-                count: soft.node_count(),
-            })?;
-            anchors.push((node.0, turn.inverse() * (position - com)));
-        }
-        anchors.sort_by_key(|(node, _)| *node);
-        anchors.dedup_by_key(|(node, _)| *node);
-        Ok(AttachmentHandle(self.attachments.insert(Attachment {
-            deformable,
-            body,
-            anchors,
-            force: DVec3::ZERO,
-            torque: DVec3::ZERO,
-        })))
-    }
-
-    /// Lets attached nodes go.
-    pub fn detach(&mut self, handle: AttachmentHandle) -> bool {
-        self.attachments.remove(handle.0).is_some()
-    }
-
-    /// Mean force \[N\] and torque about the centre of mass \[N·m\] that an attachment exerted on its rigid body in the
-    /// last rigid step.
-    pub fn attachment_force(&self, handle: AttachmentHandle) -> Option<(DVec3, DVec3)> {
-        self.attachments.get(handle.0).map(|a| (a.force, a.torque))
-    }
-
-    /// Attachments to bodies that are gone, go.
-    pub(super) fn drop_stale_attachments(&mut self, parts: &RapierParts) {
-        self.attachments
-            .retain(|_, a| parts.bodies.contains(a.body));
-    }
+    /// A number is out of range.
+    #[error("{what} is {value}, it must be {must}")]
+    Value {
+        /// Name of the value.
+        what: &'static str,
+        /// The value.
+        value: f64,
+        /// What it must be.
+        must: &'static str,
+    },
+    /// A deformable can't be attached to itself.
+    #[error("deformable {0:?} can't be attached to itself")]
+    ToItself(DeformableHandle),
+    /// A node is too far from the surface of the deformable it is to be attached to.
+    #[error(
+        "node {node} is {distance} m from the other deformable's surface, at most {limit} m can be bridged"
+    )]
+    TooFar {
+        /// Its index; of a pin, that of its first node.
+        node: u32,
+        /// How far it is \[m\].
+        distance: f64,
+        /// How far it may be \[m\]: a twentieth of the nearest face's longest edge.
+        limit: f64,
+    },
+    /// The nodes of a pin can't make its pivot.
+    #[error("the pivot is {distance} m away from anything its nodes can make; pin more nodes")]
+    Pivot {
+        /// How far \[m\].
+        distance: f64,
+    },
 }

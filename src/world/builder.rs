@@ -2,8 +2,9 @@
 
 use super::Deformable;
 use super::params::Substeps;
-use crate::body::error::not_negative;
-use crate::body::{Blueprint, BuildError, Material, Net};
+use crate::body::error::{not_negative, positive};
+use crate::body::{Blueprint, BuildError, Material, Net, Topology};
+use crate::contact::encounter::outline;
 use crate::contact::target::{Surface, wide_rotation};
 use crate::math::{DVec3, Pose, Real, Rotation, Vector, wide};
 use crate::solve::external::ForceField;
@@ -128,9 +129,39 @@ impl DeformableBuilder {
         self
     }
 
-    /// Which colliders it meets.
+    /// Distance that its surface and what touches it keep, doubled \[m\], see [`Surface::thickness`].
+    pub fn thickness(mut self, thickness: Real) -> Self {
+        self.surface.thickness = thickness;
+        self
+    }
+
+    /// Which colliders and other deformables it meets.
     pub fn collision_groups(mut self, groups: InteractionGroups) -> Self {
         self.surface.collision_groups = groups;
+        self
+    }
+
+    /// Mean force of a collider over a step above which an event tells of it \[N\].
+    pub fn contact_force_event_threshold(mut self, threshold: Real) -> Self {
+        self.surface.contact_force_event_threshold = Some(threshold);
+        self
+    }
+
+    /// Which colliders push back; those of no agreement are only noticed.
+    pub fn solver_groups(mut self, groups: InteractionGroups) -> Self {
+        self.surface.solver_groups = groups;
+        self
+    }
+
+    /// Stiffness of its contacts \[N/m\] per node, instead of contacts that do not give.
+    pub fn contact_stiffness(mut self, stiffness: Real) -> Self {
+        self.surface.stiffness = Some(stiffness);
+        self
+    }
+
+    /// Its dominance group, as of Rapier's bodies: those of a higher group push it and feel nothing.
+    pub fn dominance_group(mut self, group: i8) -> Self {
+        self.surface.dominance_group = group;
         self
     }
 
@@ -196,6 +227,13 @@ impl DeformableBuilder {
             }
         }
         not_negative("the friction coefficient", self.surface.friction.into())?;
+        if let Some(threshold) = self.surface.contact_force_event_threshold {
+            not_negative("the threshold of force events", threshold.into())?;
+        }
+        not_negative("the thickness", self.surface.thickness.into())?;
+        if let Some(stiffness) = self.surface.stiffness {
+            positive("the contact stiffness", stiffness.into())?;
+        }
         not_negative("the drag", self.drag.into())?;
         if !self.gravity_scale.is_finite() {
             return Err(BuildError::Value {
@@ -227,6 +265,11 @@ impl DeformableBuilder {
                 .or(material)
         };
         let blueprint = Blueprint::resolve(self.net?, material_at, self.total_mass)?;
+        let thickness = not_negative("the thickness", self.surface.thickness.into())?;
+        let limit = 0.5 * outline::spacing(&blueprint);
+        if thickness > limit {
+            return Err(BuildError::TooThick { thickness, limit });
+        }
         let mut state = blueprint.rest_state();
         let (turn, shift) = (
             wide_rotation(self.pose.rotation),
@@ -244,6 +287,7 @@ impl DeformableBuilder {
         let mut body = Deformable {
             slots: vec![u32::MAX; state.particles.len()],
             backup: state.clone(),
+            topology: Arc::new(Topology::of(&blueprint)),
             blueprint,
             state,
             solver,

@@ -2,7 +2,9 @@
 
 use super::motion::Start;
 use super::params::{DeformableParameters, Substeps};
-use crate::body::{Blueprint, NodeId, SpringId, State};
+use crate::body::search::tree::Cache;
+use crate::body::{Blueprint, NodeId, SpringId, State, Topology};
+use crate::contact::encounter::outline::Outline;
 use crate::contact::target::Surface;
 use crate::math::{DVec3, Real, Vector, narrow};
 use crate::solve::external::ForceField;
@@ -17,6 +19,9 @@ pub struct Deformable {
     pub(super) state: State<Real>,
     pub(super) solver: Solver<Real>,
     pub(super) surface: Surface,
+    /// Made when it first meets another deformable.
+    pub(super) outline: Option<Box<Outline>>,
+    pub(super) topology: Arc<Topology>,
     pub(super) gravity_scale: Real,
     pub(super) integrator: Option<Integrator>,
     pub(super) substeps: Option<Substeps>,
@@ -37,9 +42,16 @@ pub struct Deformable {
     pub(super) backup: State<Real>,
     /// Particles and work before the free motion, for schemes that predict anew after rows.
     pub(super) start: Start,
+    /// How often nodes were moved from outside: what contact remembers of them is void then.
+    pub(super) edits: u64,
     /// The work done until then.
     pub(super) work_backup: Work,
     pub(super) h: f64,
+    /// Elastic energy in the links of its attachments, now and at the start of the rigid step \[J\].
+    pub(super) links: f64,
+    pub(super) links_backup: f64,
+    /// What queries remember until the nodes move.
+    pub(super) cache: Cache,
     /// Anything the user wants to keep with the body.
     pub user_data: u128,
 }

@@ -14,6 +14,7 @@ impl Deformable {
     pub(super) fn edit<T>(&mut self, change: impl FnOnce(&mut Self) -> T) -> T {
         let before = self.energies().balance();
         let result = change(self);
+        self.cache.forget();
         let after = self.energies().balance();
         self.solver.work.external += after - before;
         result
@@ -24,7 +25,8 @@ impl Deformable {
         self.enabled = enabled;
     }
 
-    /// Friction and collision groups.
+    /// Friction, collision groups and thickness. Nothing is checked here: a thickness above what `build` takes is used as it
+    /// is.
     pub fn surface_mut(&mut self) -> &mut Surface {
         &mut self.surface
     }
@@ -33,6 +35,7 @@ impl Deformable {
     pub fn set_position(&mut self, node: NodeId, position: Vector) -> bool {
         let ok = node.index() < self.node_count() && position.is_finite();
         if ok {
+            self.edits += 1;
             self.edit(|body| body.state.set_position(node.index(), wide(position)));
         }
         ok
@@ -80,6 +83,7 @@ impl Deformable {
         let ok = motion.is_finite() && turn.is_finite();
         if ok {
             let shift = wide(motion.translation);
+            self.edits += 1;
             self.edit(|body| {
                 for i in 0..body.node_count() {
                     let (x, v) = (body.state.position(i), body.state.velocity(i));

@@ -12,7 +12,7 @@ pub struct Energies {
     /// ½Σ m·v⁻·v⁺ with the velocities half a substep before and after for symplectic Euler and velocity Verlet, which are
     /// leapfrog; ½Σ m·v² for the other schemes.
     pub kinetic: f64,
-    /// Held by the springs.
+    /// Held by the springs, and by the links of the body's attachments.
     pub elastic: f64,
     /// Σ −m·g·x, relative to where the body was inserted.
     pub gravity: f64,
@@ -54,6 +54,7 @@ impl Deformable {
         let gravity = self.gravity();
         let mut energies = Energies {
             work: self.solver.work,
+            elastic: self.links,
             ..Energies::default()
         };
         // Velocities of symplectic Euler stand half a substep back: ½·h·F·v brings the kinetic energy to the positions'.

@@ -1,13 +1,17 @@
 //! Groups: deformables that touch or are attached to the same moving body share their substeps and their rows.
 
+use super::meet::Meeting;
+use super::observer::Partner;
 use super::reach::Search;
 use super::report::StepReport;
-use super::substep::Group;
-use super::{AttachmentHandle, Deformable, DeformableHandle, DeformableWorld, RapierParts, reach};
+use super::substep::{Group, NEAR};
+use super::{
+    AttachTo, AttachmentHandle, Deformable, DeformableHandle, DeformableWorld, RapierParts, reach,
+};
 use crate::contact::candidates::Candidates;
 use crate::contact::target::Target;
 use crate::coupling::handover;
-use crate::coupling::memory::BodyMemory;
+use crate::coupling::memory::{BodyMemory, Response};
 use crate::coupling::observe::{self, Answer, Surroundings};
 use crate::solve::shadow::Shadow;
 use rapier3d::dynamics::RigidBodyHandle;
@@ -35,9 +39,9 @@ pub(super) struct Waiting {
 pub(super) type BodyKey = (u32, u32);
 
 /// What one deformable can meet in this step.
-struct Reach {
-    handle: DeformableHandle,
-    targets: Vec<Target>,
+pub(super) struct Reach {
+    pub handle: DeformableHandle,
+    pub targets: Vec<Target>,
     attachments: Vec<AttachmentHandle>,
 }
 
@@ -45,21 +49,36 @@ impl DeformableWorld {
     /// Sorts the enabled deformables into groups for a rigid step of `dt` s. Each group takes its members out of the set
     /// until it is dissolved.
     pub(super) fn form_groups(&mut self, parts: &RapierParts, dt: f64) -> Vec<Group> {
+        let mut sensing = std::mem::take(&mut self.sensing);
+        sensing.clear();
         if !self.iter().any(|(_, body)| body.is_enabled()) {
             return Vec::new();
         }
+        let mut gate = self.open_gate();
         let search = Search::new(&self.known, parts, dt);
         reach::remember(&mut self.known, &search.strays, parts);
         let mut unsupported = std::mem::take(&mut self.report.unsupported);
+        let mut forms = std::mem::take(&mut self.forms);
+        forms.forget_unused();
         let reaches: Vec<Reach> = self
             .iter()
             .filter(|(_, body)| body.is_enabled())
             .map(|(handle, body)| Reach {
                 handle,
-                targets: reach::targets(body, &search, &mut unsupported),
+                targets: reach::targets(
+                    (handle, body),
+                    &search,
+                    &mut gate,
+                    &mut forms,
+                    &mut unsupported,
+                    &mut sensing,
+                ),
                 attachments: self.attachments_of(handle, parts),
             })
             .collect();
+        self.forms = forms;
+        self.sensing = sensing;
+        self.forget_answers(gate);
         for &collider in &unsupported {
             if !self.warned.contains(&collider) {
                 self.warned.push(collider);
@@ -69,36 +88,63 @@ impl DeformableWorld {
             }
         }
         self.report.unsupported = unsupported;
-        let group_of = self.join(&reaches, parts);
+        let meetings = self.find_meetings(&reaches, &search);
+        let group_of = self.join(&reaches, &meetings, parts);
+        let handles: Vec<DeformableHandle> = reaches.iter().map(|r| r.handle).collect();
+        let mut kept = std::mem::take(&mut self.contacts);
+        let far = 0.01 * parts.length_unit();
         let mut groups: BTreeMap<usize, Group> = BTreeMap::new();
         let around = parts.surroundings();
+        let mut bonds = Vec::new();
         for (i, reach) in reaches.into_iter().enumerate() {
             let group = groups.entry(group_of[i]).or_insert_with(Group::empty);
             let Some(body) = self.take(reach.handle) else {
                 continue;
             };
             let member = group.members.len();
+            let (edits, spacing) = (body.edits, body.topology.spacing);
             group.members.push((reach.handle, body));
             let mut candidates = Vec::new();
             for mut target in reach.targets {
                 target.shadow = shadow_of(group, target.body, &mut self.memory, &around, dt);
-                let pair = group.add_pair(member, target.collider);
-                candidates.push(Candidates::new(target, pair));
+                let pair = group.add_pair(member, Partner::Collider(target.collider));
+                let key = (reach.handle.key(), target.collider.into_raw_parts());
+                candidates.push(match kept.remove(&key) {
+                    None => Candidates::new(target, pair, spacing),
+                    Some(mut c) => {
+                        let shadow = &group.shadows[target.shadow as usize];
+                        c.resume(target, pair, shadow, edits, far);
+                        c
+                    }
+                });
             }
             group.candidates.push(candidates);
-            for handle in reach.attachments {
-                if let Some(attachment) = self.attachments.get(handle.0) {
-                    let shadow =
-                        shadow_of(group, Some(attachment.body), &mut self.memory, &around, dt);
-                    group.add_attachment(member, handle, shadow, attachment.clone());
-                }
-            }
+            let attachments = reach.attachments.into_iter();
+            bonds.extend(attachments.map(|h| (group_of[i], member as u32, h)));
         }
+        for (number, member, handle) in bonds {
+            let (Some(group), Some(bond)) =
+                (groups.get_mut(&number), self.attachments.get(handle.0))
+            else {
+                continue;
+            };
+            let shadow = shadow_of(group, bond.body(), &mut self.memory, &around, dt);
+            let other = match bond.target {
+                AttachTo::Deformable(other) => {
+                    let found = group.members.iter().position(|(h, _)| *h == other);
+                    let Some(found) = found else { continue };
+                    Some(found as u32)
+                }
+                _ => None,
+            };
+            group.add_attachment(member, other, shadow, handle, bond.clone());
+        }
+        self.resume_encounters(&mut groups, &group_of, &handles, &meetings);
         groups.into_values().collect()
     }
 
-    /// The smallest member index of the group of each deformable: those sharing a dynamic body are joined.
-    fn join(&self, reaches: &[Reach], parts: &RapierParts) -> Vec<usize> {
+    /// The smallest member index of the group of each deformable: those that meet or share a dynamic body are joined.
+    fn join(&self, reaches: &[Reach], meetings: &[Meeting], parts: &RapierParts) -> Vec<usize> {
         let mut parent: Vec<usize> = (0..reaches.len()).collect();
         fn root(parent: &[usize], mut i: usize) -> usize {
             while parent[i] != i {
@@ -112,7 +158,7 @@ impl DeformableWorld {
             let attached = reach
                 .attachments
                 .iter()
-                .filter_map(|h| Some(self.attachments.get(h.0)?.body));
+                .filter_map(|h| self.attachments.get(h.0)?.body());
             for body in touched.chain(attached) {
                 if !parts.bodies.get(body).is_some_and(|b| b.is_dynamic()) {
                     continue;
@@ -121,6 +167,20 @@ impl DeformableWorld {
                 let (a, b) = (root(&parent, i), root(&parent, other));
                 parent[a.max(b)] = a.min(b);
             }
+            for handle in &reach.attachments {
+                let bond = self.attachments.get(handle.0);
+                let Some(AttachTo::Deformable(to)) = bond.map(|b| b.target) else {
+                    continue;
+                };
+                if let Some(other) = reaches.iter().position(|r| r.handle == to) {
+                    let (a, b) = (root(&parent, i), root(&parent, other));
+                    parent[a.max(b)] = a.min(b);
+                }
+            }
+        }
+        for meeting in meetings {
+            let [a, b] = meeting.map(|i| root(&parent, i));
+            parent[a.max(b)] = a.min(b);
         }
         (0..reaches.len()).map(|i| root(&parent, i)).collect()
     }
@@ -133,20 +193,35 @@ impl DeformableWorld {
         self.attachments
             .iter()
             .filter(|(_, a)| {
-                a.deformable == deformable
-                    && parts.bodies.get(a.body).is_some_and(|b| b.is_enabled())
+                let target_is_there = match a.target {
+                    AttachTo::Body(body) => parts.bodies.get(body).is_some_and(|b| b.is_enabled()),
+                    AttachTo::Deformable(other) => self.get(other).is_some_and(|b| b.is_enabled()),
+                    _ => true,
+                };
+                a.deformable == deformable && !a.is_broken() && target_is_there
             })
             .map(|(index, _)| AttachmentHandle(index))
             .collect()
     }
 
     /// Puts the members of a group back and keeps what its rigid bodies wait for.
-    pub(super) fn dissolve(&mut self, group: Group, parts: &mut RapierParts, dt: f64) {
+    pub(super) fn dissolve(&mut self, mut group: Group, parts: &mut RapierParts, dt: f64) {
         let finite = group
             .shadows
             .iter()
             .all(|s| s.impulse.is_finite() && s.torque.is_finite());
-        let near = group.near_bodies(2e-3 * parts.length_unit());
+        let near = group.near_bodies(NEAR * parts.length_unit());
+        self.pause_encounters(&mut group);
+        for (pair, sum) in group.pair_sums() {
+            self.add_touch(pair, sum);
+        }
+        for ((handle, body), candidates) in group.members.iter().zip(group.candidates) {
+            for mut c in candidates {
+                c.pause(&group.shadows[c.target.shadow as usize], body.edits);
+                let key = (handle.key(), c.target.collider.into_raw_parts());
+                self.contacts.insert(key, c);
+            }
+        }
         for ((touched, end), near) in group
             .touched
             .into_iter()
@@ -185,7 +260,13 @@ impl DeformableWorld {
         }
         for attachment in group.attachments {
             if let Some(kept) = self.attachments.get_mut(attachment.handle.0) {
-                (kept.force, kept.torque) = (attachment.impulse / dt, attachment.torque / dt);
+                *kept = attachment.bond;
+                kept.force = attachment.impulse / dt;
+                kept.torque = attachment.torque / dt;
+                kept.moment = attachment.moment / dt;
+                if kept.is_broken() {
+                    self.report.broken_attachments.push(attachment.handle);
+                }
             }
         }
         for (handle, body) in group.members {
@@ -217,7 +298,7 @@ fn shadow_of(
     }
     let answer = observe::answer(handle, body, around);
     let response = if answer == Answer::None {
-        1.0
+        Response::all(1.0)
     } else {
         let memory = memory.entry(handle.into_raw_parts()).or_default();
         observe::response(handle, body, answer, memory, around)

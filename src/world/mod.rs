@@ -1,37 +1,58 @@
 //! The world of deformables beside a Rapier world.
 
+mod attach;
 mod attachment;
 mod budget;
 mod builder;
+mod debug;
+#[cfg(feature = "debug-render")]
+mod debug_backend;
 mod deformable;
 mod edit;
 mod energies;
 mod group;
+mod hooks;
 mod kinematic;
+mod meet;
 mod motion;
 mod observer;
 mod params;
 mod parts;
+mod query;
 mod reach;
 mod report;
+mod sense;
+mod settings;
 mod sleep;
 mod step;
 mod substep;
+mod ties;
+mod touch;
 
-pub use attachment::AttachError;
+pub use attach::AttachmentState;
+pub use attachment::{AttachError, AttachTo, Attachment};
 pub use builder::{DeformableBuilder, IntoDeformable, IntoNet};
+pub use debug::{DebugStyle, rgba};
 pub use deformable::Deformable;
 pub use energies::Energies;
+pub use hooks::{DeformableHooks, PairContext};
 pub use observer::{
-    AttachmentImpulse, Observer, PairImpulse, SpringEvent, SpringEventKind, Substep,
+    AttachmentBroke, AttachmentImpulse, NodeImpulse, Observer, PairImpulse, Partner, SpringEvent,
+    SpringEventKind, Substep,
 };
 pub use params::{DeformableParameters, Substeps};
 pub use parts::RapierParts;
+pub use query::{
+    DeformableFilter, DeformableOverlap, DeformableProjection, DeformableRayHit, RayHit,
+};
 pub use report::StepReport;
+pub use touch::{PairContact, TouchEvent, TouchEventKind};
 
 use crate::body::BuildError;
-use crate::coupling::attach::Attachment;
-use crate::coupling::memory::BodyMemory;
+use crate::contact::candidates::Candidates;
+use crate::contact::encounter::Encounter;
+use crate::contact::form::Forms;
+use crate::coupling::memory::{BodyMemory, Response};
 use crate::math::Vector;
 use group::{BodyKey, Waiting};
 use rapier3d::data::arena::{Arena, Index};
@@ -41,6 +62,13 @@ use std::collections::BTreeMap;
 /// A deformable in a [`DeformableWorld`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct DeformableHandle(pub(crate) Index);
+
+impl DeformableHandle {
+    /// What handles are sorted by.
+    fn key(self) -> (u32, u32) {
+        self.0.into_raw_parts()
+    }
+}
 
 /// An attachment in a [`DeformableWorld`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -70,8 +98,15 @@ pub struct DeformableWorld {
     /// Settings.
     pub params: DeformableParameters,
     bodies: Arena<Box<Deformable>>,
-    attachments: Arena<Attachment<DeformableHandle>>,
+    attachments: Arena<AttachmentState>,
     memory: BTreeMap<BodyKey, BodyMemory>,
+    /// What each deformable touched of each collider in the last step.
+    contacts: BTreeMap<((u32, u32), BodyKey), Candidates>,
+    /// What pairs of deformables touched of each other in the last step.
+    encounters: BTreeMap<(BodyKey, BodyKey), Encounter>,
+    meetings: meet::Meetings,
+    /// The shapes met so far, as contact sees them.
+    forms: Forms,
     waiting: Vec<Waiting>,
     report: StepReport,
     time: f64,
@@ -85,6 +120,11 @@ pub struct DeformableWorld {
     half_done: Option<f64>,
     /// What Rapier's BVH knows.
     known: reach::Known,
+    /// Who touches whom.
+    touches: BTreeMap<touch::TouchKey, touch::Touch>,
+    /// What is to be looked at after the Rapier step under way.
+    sensing: Vec<sense::Sensing>,
+    gate: hooks::Gate,
 }
 
 impl DeformableWorld {
@@ -110,8 +150,9 @@ impl DeformableWorld {
 
     /// Removes a body and its attachments. Rigid bodies that slept on it wake in the next step.
     pub fn remove(&mut self, handle: DeformableHandle) -> Option<Deformable> {
-        let body = self.bodies.remove(handle.0)?;
-        self.attachments.retain(|_, a| a.deformable != handle);
+        let mut body = self.bodies.remove(handle.0)?;
+        body.edit(|body| body.links = 0.0);
+        self.drop_stale_attachments(None);
         Some(*body)
     }
 
@@ -166,16 +207,22 @@ impl DeformableWorld {
     pub fn state_hash(&self) -> u64 {
         let bodies = self.iter().map(|(_, b)| b.state_hash());
         let memory = self.memory.values().flat_map(|m| {
-            [
-                m.response.unwrap_or(-1.0).to_bits(),
-                m.load.x.to_bits(),
-                m.load.y.to_bits(),
-                m.load.z.to_bits(),
-                m.asleep.to_bits(),
-            ]
+            let known = m.response.unwrap_or(Response::all(-1.0));
+            let [along, about, load] = [known.along, known.about, m.load].map(|v| v.to_array());
+            let rest = [m.asleep.to_bits()];
+            let vectors = along.into_iter().chain(about).chain(load);
+            vectors.map(f64::to_bits).chain(rest)
+        });
+        let attachments = self.attachments.iter().flat_map(|(_, a)| {
+            let average =
+                [a.average.force, a.average.moment].map(|v| v.to_array().map(f64::to_bits));
+            let [f, m] = average;
+            let rest = [a.energy.to_bits(), u64::from(a.is_broken())];
+            f.into_iter().chain(m).chain(rest)
         });
         bodies
             .chain(memory)
+            .chain(attachments)
             .chain([u64::from(self.parity)])
             .fold(0xcbf2_9ce4_8422_2325, |hash, word| {
                 (hash ^ word).wrapping_mul(0x0000_0100_0000_01b3)

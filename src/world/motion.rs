@@ -12,11 +12,14 @@ pub(super) struct Start {
     particles: Vec<Particle<Real>>,
     low: Vec<[Real; 3]>,
     work: Work,
+    /// Whether the body has been put back to it in this substep.
+    restored: bool,
 }
 
 impl Deformable {
     /// Fills the solver's forces from outside for the coming rigid step, and leads its kinematic nodes for `remaining` s.
     pub(super) fn prepare(&mut self, gravity: Vector, remaining: f64) {
+        self.cache.forget();
         let gravity = (gravity * self.gravity_scale).to_array();
         if gravity != self.solver.external.gravity {
             self.edit(|body| body.solver.external.gravity = gravity);
@@ -72,35 +75,38 @@ impl Deformable {
         (self.state.local(node) - start) / h
     }
 
-    /// Gives rows' velocity changes to the nodes, and moves anew where the scheme wants it.
-    pub(super) fn take_impulses(&mut self, changes: impl Iterator<Item = (usize, DVec3)>, h: f64) {
+    /// Gives a node the velocity change of its rows. Schemes that must move anew start over at the first.
+    pub(super) fn take_impulse(&mut self, node: usize, change: DVec3, h: f64) {
         if self.integrator().takes_late_impulses() {
-            for (node, change) in changes {
-                self.solver.kick(&mut self.state, node, change, h);
-            }
+            self.solver.kick(&mut self.state, node, change, h);
             return;
         }
-        let mut changes = changes.peekable();
-        if changes.peek().is_none() {
-            return;
+        if !self.start.restored {
+            self.start.restored = true;
+            self.state.particles.clone_from(&self.start.particles);
+            self.state.low.clone_from(&self.start.low);
+            // Flow and fracture were committed at the start and stay; the other sums belong to the motion that is taken
+            // back.
+            self.solver.work = Work {
+                plastic: self.solver.work.plastic,
+                fracture: self.solver.work.fracture,
+                ..self.start.work
+            };
         }
-        self.state.particles.clone_from(&self.start.particles);
-        self.state.low.clone_from(&self.start.low);
-        // Flow and fracture were committed at the start and stay; the other sums belong to the motion that is taken back.
-        self.solver.work = Work {
-            plastic: self.solver.work.plastic,
-            fracture: self.solver.work.fracture,
-            ..self.start.work
-        };
-        for (node, change) in changes {
-            let v = self.state.velocity(node) + change;
-            self.state.set_velocity(node, v);
+        let v = self.state.velocity(node) + change;
+        self.state.set_velocity(node, v);
+    }
+
+    /// Moves anew where impulses were taken at the start of the substep.
+    pub(super) fn move_anew(&mut self, h: f64) {
+        if std::mem::take(&mut self.start.restored) {
+            self.free_motion(h);
         }
-        self.free_motion(h);
     }
 
     /// Completes the substep.
     pub(super) fn finish(&mut self, h: f64) {
+        self.cache.forget();
         let integrator = self.integrator();
         let Self {
             solver,
@@ -113,6 +119,7 @@ impl Deformable {
 
     /// Ends a step of the world: led nodes stand at their targets, one-step forces are gone.
     pub(super) fn end_frame(&mut self) {
+        self.cache.forget();
         let led = std::mem::take(&mut self.led);
         if self.is_enabled() {
             for (node, target) in led {
@@ -129,13 +136,18 @@ impl Deformable {
     pub(super) fn back_up(&mut self) {
         self.backup.clone_from(&self.state);
         self.work_backup = self.solver.work;
+        self.links_backup = self.links;
     }
 
     /// Back to the start of the rigid step: positions, velocities, what flowed and broke, and the work done.
     pub(super) fn go_back(&mut self) {
+        self.cache.forget();
         self.state.clone_from(&self.backup);
         self.solver.work = self.work_backup;
+        self.links = self.links_backup;
         self.solver.events.clear();
+        self.start.restored = false;
+        self.edits += 1;
         self.rebuild_table();
         self.solver.forget_forces();
     }

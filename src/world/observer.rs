@@ -1,8 +1,9 @@
 //! The observer: called after every substep with what happened in it. A trait because strangers plug in here; whatever it
 //! does, it can't change a result.
 
+use super::touch::TouchEvent;
 use super::{AttachmentHandle, Deformable, DeformableHandle};
-use crate::body::SpringId;
+use crate::body::{NodeId, SpringId};
 use crate::math::DVec3;
 use rapier3d::geometry::ColliderHandle;
 
@@ -12,6 +13,14 @@ pub trait Observer {
     fn substep(&mut self, substep: &Substep);
     /// Called when a spring yields for the first time or breaks.
     fn event(&mut self, _event: &SpringEvent) {}
+    /// Called when an attachment breaks.
+    fn attachment_event(&mut self, _event: &AttachmentBroke) {}
+    /// Called at the end of a step for every contact that began, was strong or ended in it.
+    fn touch_event(&mut self, _event: &TouchEvent) {}
+    /// Whether [`Substep::node_impulses`] are wanted, which costs time; asked in every substep.
+    fn wants_node_impulses(&self) -> bool {
+        false
+    }
 }
 
 /// Observes nothing.
@@ -29,24 +38,72 @@ pub struct Substep<'a> {
     pub h: f64,
     /// The deformables of the group.
     pub deformables: &'a [(DeformableHandle, Box<Deformable>)],
-    /// Every pair of deformable and collider that is near, touching or not.
+    /// Every pair of deformable and partner that is near, touching or not. Two deformables are two pairs, one seen from
+    /// each.
     pub contacts: &'a [PairImpulse],
     /// What each attachment transmitted.
     pub attachments: &'a [AttachmentImpulse],
+    /// What nodes got from contacts; empty unless [`Observer::wants_node_impulses`].
+    pub node_impulses: &'a [NodeImpulse],
 }
 
-/// What one collider did to one deformable in a substep.
+/// What a deformable is in contact with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Partner {
+    /// A collider.
+    Collider(ColliderHandle),
+    /// Another deformable.
+    Deformable(DeformableHandle),
+}
+
+impl Partner {
+    /// What partners are sorted by: colliders come first.
+    pub(super) fn key(self) -> (bool, (u32, u32)) {
+        match self {
+            Self::Collider(c) => (false, c.into_raw_parts()),
+            Self::Deformable(d) => (true, d.key()),
+        }
+    }
+}
+
+impl From<ColliderHandle> for Partner {
+    fn from(collider: ColliderHandle) -> Self {
+        Self::Collider(collider)
+    }
+}
+
+impl From<DeformableHandle> for Partner {
+    fn from(deformable: DeformableHandle) -> Self {
+        Self::Deformable(deformable)
+    }
+}
+
+/// What a node got from one point of contact in a substep. A point within a face or an edge gives to each of its nodes; a
+/// node may get from several points, which add up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NodeImpulse {
+    /// The deformable.
+    pub deformable: DeformableHandle,
+    /// The node.
+    pub node: NodeId,
+    /// What pushed it.
+    pub partner: Partner,
+    /// Impulse on the node \[N·s\]; none for a deformable that dominates the partner.
+    pub impulse: DVec3,
+}
+
+/// What one partner did to one deformable in a substep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairImpulse {
     /// The deformable.
     pub deformable: DeformableHandle,
-    /// The collider.
-    pub collider: ColliderHandle,
+    /// What it touches.
+    pub partner: Partner,
     /// Impulse on the deformable \[N·s\].
     pub impulse: DVec3,
-    /// Deepest node \[m\], 0 when none is inside.
+    /// Deepest point \[m\], 0 when none is inside.
     pub depth: f64,
-    /// Nodes that received an impulse.
+    /// Points that received an impulse.
     pub touching: u32,
 }
 
@@ -59,6 +116,23 @@ pub struct AttachmentImpulse {
     pub deformable: DeformableHandle,
     /// Impulse on the deformable \[N·s\].
     pub impulse: DVec3,
+    /// Angular impulse on the deformable about the attachment's pivot \[N·m·s\].
+    pub moment: DVec3,
+}
+
+/// An attachment broke: under what, and when.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AttachmentBroke {
+    /// The attachment.
+    pub attachment: AttachmentHandle,
+    /// The deformable.
+    pub deformable: DeformableHandle,
+    /// Force on what it was attached to \[N\].
+    pub force: DVec3,
+    /// Moment on it about the pivot \[N·m\].
+    pub moment: DVec3,
+    /// Simulated time at the end of the substep \[s\].
+    pub time: f64,
 }
 
 /// What happened to a spring.

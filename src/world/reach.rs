@@ -4,20 +4,23 @@
 //! or one whose body was teleported, enters it only within Rapier's next step. Such strays are found by one look over
 //! all colliders and tested one by one.
 
+use super::hooks::{Gate, PairContext};
 use super::report::note;
-use super::{Deformable, RapierParts};
-use crate::contact::target::{Target, admits, target, wide_rotation};
+use super::sense::Sensing;
+use super::{Deformable, DeformableHandle, RapierParts};
+use crate::contact::form::Forms;
+use crate::contact::target::{Target, admits, pushes, target, wide_rotation};
 use crate::coupling::observe::velocity;
 use crate::math::{Pose, narrow, wide};
 use crate::solve::shadow::Shadow;
-use rapier3d::dynamics::{RigidBody, RigidBodyHandle};
+use rapier3d::dynamics::RigidBodyHandle;
 use rapier3d::geometry::{Aabb, Collider, ColliderHandle};
 use rapier3d::parry::bounding_volume::BoundingVolume;
 use rapier3d::parry::query::DefaultQueryDispatcher;
 use rapier3d::pipeline::QueryFilter;
 
 /// Distance a body may cover in `dt` s, and a margin \[m\].
-fn travel(speed: f64, dt: f64, parts: &RapierParts) -> f64 {
+pub(super) fn travel(speed: f64, dt: f64, parts: &RapierParts) -> f64 {
     let fall = f64::from(parts.gravity.length()) * dt * dt;
     (speed * dt + fall) * 1.5 + 0.05 * parts.length_unit()
 }
@@ -80,7 +83,7 @@ pub(super) fn remember(known: &mut Known, strays: &[ColliderHandle], parts: &Rap
 }
 
 /// A collider's pose by its body's, which is right even after a teleport.
-fn true_pose(collider: &Collider, parts: &RapierParts) -> Pose {
+pub(super) fn true_pose(collider: &Collider, parts: &RapierParts) -> Pose {
     let parent = collider.parent().and_then(|h| parts.bodies.get(h));
     match (parent, collider.position_wrt_parent()) {
         (Some(body), Some(relative)) => *body.position() * *relative,
@@ -110,11 +113,13 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Calls `found` for every collider the body may touch, in the order of their handles.
+/// Calls `found` for every collider the body may touch, in the order of their handles, with whether it pushes or only
+/// notices.
 pub(super) fn for_each_in_reach(
-    body: &Deformable,
+    (own, body): (DeformableHandle, &Deformable),
     search: &Search,
-    mut found: impl FnMut(ColliderHandle, &Collider, Option<&RigidBody>),
+    gate: &mut Gate,
+    mut found: impl FnMut(ColliderHandle, &Collider, bool),
 ) {
     let parts = search.parts;
     let speed = f64::from(body.max_speed_squared()).sqrt();
@@ -146,22 +151,42 @@ pub(super) fn for_each_in_reach(
         let Some(collider) = parts.colliders.get(handle) else {
             continue;
         };
-        let rigid = collider.parent().and_then(|h| parts.bodies.get(h));
-        if admits(collider, rigid, body.surface()) {
-            found(handle, collider, rigid);
+        let rigid = collider
+            .parent()
+            .and_then(|h| Some((h, parts.bodies.get(h)?)));
+        let pair = PairContext {
+            deformable: (own, body),
+            collider: (handle, collider),
+            body: rigid,
+        };
+        let rigid = rigid.map(|(_, rigid)| rigid);
+        if admits(collider, rigid, body.surface()) && gate.passes(&pair) {
+            found(handle, collider, pushes(collider, body.surface()));
         }
     }
 }
 
-/// The targets of a body. Colliders of other shapes are noted in `unsupported`.
+/// The targets of a body. Colliders of other shapes are noted in `unsupported`, those that do not push in `sensing`.
 pub(super) fn targets(
-    body: &Deformable,
+    (own, body): (DeformableHandle, &Deformable),
     search: &Search,
+    gate: &mut Gate,
+    forms: &mut Forms,
     unsupported: &mut Vec<ColliderHandle>,
+    sensing: &mut Vec<Sensing>,
 ) -> Vec<Target> {
     let mut targets = Vec::new();
-    for_each_in_reach(body, search, |handle, collider, _| {
-        match target(handle, collider, search.parts.bodies, body.surface()) {
+    for_each_in_reach((own, body), search, gate, |handle, collider, pushes| {
+        if !pushes {
+            sensing.push(Sensing {
+                deformable: own,
+                collider: handle,
+                sensor: collider.is_sensor(),
+                start: true_pose(collider, search.parts),
+            });
+            return;
+        }
+        match target(handle, collider, search.parts.bodies, body.surface(), forms) {
             Some(t) => targets.push(t),
             None => note(unsupported, handle),
         }
@@ -172,12 +197,23 @@ pub(super) fn targets(
 /// Bodies asleep that some node will run into within the stretch of time, faster than `threshold` \[m/s\]. They must be
 /// awake by then: a sleeper is infinitely heavy, and the blow would be lost on it.
 pub(super) fn sleepers_in_the_way(
-    body: &Deformable,
+    (own, body): (DeformableHandle, &Deformable),
     search: &Search,
+    gate: &mut Gate,
+    forms: &mut Forms,
     threshold: f64,
 ) -> Vec<RigidBodyHandle> {
     let mut found = Vec::new();
-    for target in targets(body, search, &mut Vec::new()) {
+    let (mut unsupported, mut sensing) = (Vec::new(), Vec::new());
+    let targets = targets(
+        (own, body),
+        search,
+        gate,
+        forms,
+        &mut unsupported,
+        &mut sensing,
+    );
+    for target in targets {
         let Some((handle, rigid)) = target
             .body
             .and_then(|h| Some((h, search.parts.bodies.get(h)?)))
@@ -195,16 +231,13 @@ pub(super) fn sleepers_in_the_way(
             ..Shadow::FIXED
         };
         let frame = target.frame(&shadow);
-        let hit = (0..body.node_count()).any(|i| {
-            let v = body.state.velocity(i);
-            if v.length_squared() < threshold * threshold {
-                return false;
-            }
-            let (depth, normal) = target.depth(&frame, body.state.position(i) - frame.position);
-            let closing = -v.dot(normal);
-            closing > threshold && depth + 1.5 * closing * search.dt > 0.0
+        let to_local = frame.axes.transpose();
+        let points = (0..body.node_count()).map(|i| {
+            let place = frame.to_local(&body.state, i as u32);
+            (place, to_local * body.state.velocity(i))
         });
-        if hit {
+        let (skin, time) = (target.skin, 1.5 * search.dt);
+        if target.form.is_hit(points, skin, time, threshold) {
             found.push(handle);
         }
     }

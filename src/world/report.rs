@@ -1,6 +1,7 @@
 //! What a step did, for those who ask.
 
-use super::DeformableHandle;
+use super::touch::TouchEvent;
+use super::{AttachmentHandle, DeformableHandle};
 use rapier3d::geometry::ColliderHandle;
 
 /// What the last step did. A step never panics and returns no `Result`; what went wrong stands here.
@@ -19,13 +20,28 @@ pub struct StepReport {
     pub frozen: Vec<DeformableHandle>,
     /// Bodies that asked for too few substeps: taken as asked for `Substeps::Unchecked`, raised for `Substeps::Fixed`.
     pub unstable: Vec<DeformableHandle>,
-    /// Colliders in reach whose shape nodes can't touch yet.
+    /// Colliders in reach whose shape nodes can't touch: custom ones, compounds with a part without volume, shapes that are
+    /// not finite.
     pub unsupported: Vec<ColliderHandle>,
+    /// Attachments that broke in this step.
+    pub broken_attachments: Vec<AttachmentHandle>,
+    /// Contacts that began, were strong or ended, in the order of deformables and partners.
+    pub events: Vec<TouchEvent>,
     /// Work of the shadows minus work done on the rigid bodies \[J\].
     pub coupling_defect: f64,
 }
 
 impl StepReport {
+    /// An empty report for the coming step. The memory of events is used again.
+    pub(super) fn clear(&mut self) {
+        let mut events = std::mem::take(&mut self.events);
+        events.clear();
+        *self = Self {
+            events,
+            ..Self::default()
+        };
+    }
+
     pub(super) fn add_substeps(&mut self, handle: DeformableHandle, n: usize) {
         match self.substeps.iter_mut().find(|(h, _)| *h == handle) {
             Some((_, sum)) => *sum += n,

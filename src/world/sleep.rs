@@ -8,16 +8,22 @@ use rapier3d::dynamics::RigidBodyHandle;
 
 impl DeformableWorld {
     /// Wakes bodies that a deformable is about to hit, at twice the speed below which Rapier lets bodies sleep.
-    pub(super) fn wake_sleepers_in_the_way(&self, parts: &mut RapierParts, dt: f64) {
+    pub(super) fn wake_sleepers_in_the_way(&mut self, parts: &mut RapierParts, dt: f64) {
         let threshold = 0.1 * parts.length_unit();
         if !self.iter().any(|(_, b)| b.is_enabled()) {
             return;
         }
         let search = Search::new(&self.known, parts, dt);
         let mut wake = Vec::new();
-        for (_, body) in self.iter().filter(|(_, b)| b.is_enabled()) {
-            wake.extend(reach::sleepers_in_the_way(body, &search, threshold));
+        let mut forms = std::mem::take(&mut self.forms);
+        let mut gate = self.open_gate();
+        for own in self.iter().filter(|(_, b)| b.is_enabled()) {
+            wake.extend(reach::sleepers_in_the_way(
+                own, &search, &mut gate, &mut forms, threshold,
+            ));
         }
+        self.keep_answers(gate);
+        self.forms = forms;
         for handle in wake {
             parts.islands.wake_up(parts.bodies, handle, true);
         }

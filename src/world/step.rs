@@ -5,10 +5,10 @@ use super::group::Waiting;
 use super::kinematic::KinematicTargets;
 use super::observer::Observer;
 use super::reach::Search;
-use super::report::{StepReport, note};
-use super::substep::{Group, Settings};
-use super::{DeformableWorld, RapierParts, reach};
-use crate::contact::distance::Primitive;
+use super::report::note;
+use super::substep::{Group, NEAR, Settings};
+use super::{DeformableWorld, RapierParts, meet, reach};
+use crate::contact::form::Form;
 use crate::coupling::handover;
 use crate::coupling::memory::BodyMemory;
 use rapier3d::dynamics::{IntegrationParameters, RigidBodyHandle};
@@ -35,17 +35,18 @@ impl DeformableWorld {
         observer: &mut dyn Observer,
     ) {
         let dt = f64::from(world.integration_parameters.dt);
-        self.report = StepReport::default();
+        self.report.clear();
         if !(dt.is_finite() && dt >= 0.0) {
             self.report.invalid_dt = Some(dt);
             return;
         }
-        self.settle(&mut RapierParts::from(&mut *world));
+        self.settle(&mut RapierParts::from(&mut *world), observer);
         self.report.rigid_steps = 1;
         if dt == 0.0 {
             world.step_with_events(hooks, events);
             return;
         }
+        self.begin_touches();
         self.wake_sleepers_in_the_way(&mut RapierParts::from(&mut *world), dt);
         let steps = self.rigid_steps(&RapierParts::from(&mut *world), dt);
         self.report.rigid_steps = steps;
@@ -65,7 +66,7 @@ impl DeformableWorld {
             }
             self.hand_over(&mut RapierParts::from(&mut *world), dt / steps as f64);
         }
-        self.end_frame();
+        self.end_frame(&RapierParts::from(&mut *world), dt, observer);
     }
 
     /// For those who own the loop: advances the deformables through `parts.integration_parameters.dt` and gives rigid
@@ -74,11 +75,12 @@ impl DeformableWorld {
     /// which [`Self::step`] sees to by itself.
     pub fn before_step(&mut self, parts: &mut RapierParts, observer: &mut dyn Observer) {
         let dt = f64::from(parts.integration_parameters.dt);
-        self.report = StepReport::default();
+        self.report.clear();
         if !(dt.is_finite() && dt >= 0.0) {
             self.report.invalid_dt = Some(dt);
         } else if dt > 0.0 {
-            self.settle(parts);
+            self.settle(parts, observer);
+            self.begin_touches();
             self.report.rigid_steps = 1;
             self.wake_sleepers_in_the_way(parts, dt);
             self.advance(parts, dt, dt, dt, observer);
@@ -88,15 +90,20 @@ impl DeformableWorld {
 
     /// The other half of [`Self::before_step`]; without one before it, nothing.
     pub fn after_step(&mut self, parts: &mut RapierParts) {
-        self.settle(parts);
+        self.after_step_with(parts, &mut ());
+    }
+
+    /// As [`Self::after_step`], with an observer that is told of contacts that began or ended in the step.
+    pub fn after_step_with(&mut self, parts: &mut RapierParts, observer: &mut dyn Observer) {
+        self.settle(parts, observer);
     }
 
     /// Completes a [`Self::before_step`] that has not been completed: bodies get the rest of their impulses, and the user's
     /// forces back.
-    fn settle(&mut self, parts: &mut RapierParts) {
+    fn settle(&mut self, parts: &mut RapierParts, observer: &mut dyn Observer) {
         if let Some(dt) = self.half_done.take() {
             self.hand_over(parts, dt);
-            self.end_frame();
+            self.end_frame(parts, dt, observer);
         }
     }
 
@@ -124,7 +131,7 @@ impl DeformableWorld {
         wanted.clamp(1, most)
     }
 
-    fn can_touch_awake_body(&self, parts: &RapierParts, dt: f64) -> bool {
+    fn can_touch_awake_body(&mut self, parts: &RapierParts, dt: f64) -> bool {
         let awake = |h: RigidBodyHandle| {
             parts
                 .bodies
@@ -136,13 +143,16 @@ impl DeformableWorld {
         }
         let search = Search::new(&self.known, parts, dt);
         let mut found = false;
-        for (_, body) in self.iter().filter(|(_, b)| b.is_enabled()) {
-            reach::for_each_in_reach(body, &search, |_, collider, _| {
-                found |= collider.parent().is_some_and(awake)
-                    && Primitive::of(collider.shape()).is_some();
+        let mut gate = self.open_gate();
+        for own in self.iter().filter(|(_, b)| b.is_enabled()) {
+            reach::for_each_in_reach(own, &search, &mut gate, |_, collider, pushes| {
+                let moves = collider.parent().is_some_and(awake);
+                found |= pushes && moves && Form::takes(collider.shape());
             });
         }
-        found || self.attachments.iter().any(|(_, a)| awake(a.body))
+        self.keep_answers(gate);
+        let mut bonds = self.attachments.iter().filter(|(_, a)| !a.is_broken());
+        found || bonds.any(|(_, a)| a.body().is_some_and(awake))
     }
 
     /// Advances all deformables through a rigid step of `dt` s, the `left` s of a `frame` that is not over yet.
@@ -154,10 +164,11 @@ impl DeformableWorld {
         left: f64,
         observer: &mut dyn Observer,
     ) {
-        self.drop_stale_attachments(parts);
+        self.drop_stale_attachments(Some(&*parts.bodies));
+        self.find_loose_attachments(parts);
         self.wake_on_new_gravity(parts);
         for (_, attachment) in self.attachments.iter_mut() {
-            (attachment.force, attachment.torque) = Default::default();
+            (attachment.force, attachment.torque, attachment.moment) = Default::default();
         }
         let defaults = self.params;
         for (_, body) in self.bodies.iter_mut().filter(|(_, b)| b.is_enabled()) {
@@ -189,7 +200,7 @@ impl DeformableWorld {
         let settings = Settings {
             passes: self.params.passes.max(1),
             push_out: self.params.push_out_speed * unit,
-            margin: 0.05 * unit,
+            near: NEAR * unit,
             touching: 1e-5 * unit,
             length_unit: unit,
         };
@@ -224,7 +235,7 @@ impl DeformableWorld {
     }
 
     fn group_substeps(&mut self, group: &Group, dt: f64, frame: f64) -> usize {
-        let mut most = 1;
+        let mut most = meet::substeps(group, dt).max(1);
         for (handle, body) in &group.members {
             let (n, unstable) = body.substeps_for(dt, frame);
             most = most.max(n);
@@ -247,11 +258,12 @@ impl DeformableWorld {
             }
             body.slots.fill(u32::MAX);
         }
+        group.forget_touches();
         for (touched, shadow) in group.touched.iter().zip(&mut group.shadows[1..]) {
             *shadow = touched.start;
         }
         for attachment in &mut group.attachments {
-            (attachment.impulse, attachment.torque) = Default::default();
+            attachment.go_back();
         }
     }
 
@@ -280,10 +292,13 @@ impl DeformableWorld {
                 self.report.coupling_defect += handover::after_step(body, &pending, &end, memory);
             }
         }
+        self.follow_rigid_bodies(parts);
         self.watch_sleepers(parts, dt);
+        self.sense(parts);
     }
 
-    fn end_frame(&mut self) {
+    fn end_frame(&mut self, parts: &RapierParts, dt: f64, observer: &mut dyn Observer) {
+        self.end_touches(parts, dt, observer);
         for (_, body) in self.bodies.iter_mut() {
             body.end_frame();
         }

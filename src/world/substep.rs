@@ -2,30 +2,22 @@
 
 use super::group::Touched;
 use super::observer::{
-    AttachmentImpulse, Observer, PairImpulse, SpringEvent, SpringEventKind, Substep,
+    AttachmentImpulse, NodeImpulse, Observer, PairImpulse, Partner, SpringEvent, SpringEventKind,
+    Substep,
 };
-use super::{AttachmentHandle, Deformable, DeformableHandle};
-use crate::body::SpringId;
-use crate::contact::candidates::{Candidates, Reach};
-use crate::coupling::attach::Attachment;
+use super::ties::Attached;
+use super::touch::PairSum;
+use super::{Deformable, DeformableHandle, meet};
+use crate::body::{NodeId, SpringId};
+use crate::contact::candidates::Candidates;
+use crate::contact::encounter::Encounter;
+use crate::contact::site::{Reach, Side, Site};
 use crate::coupling::observe::Answer;
-use crate::law::row::push_out;
+use crate::law::row::{pull_back, push_out};
 use crate::math::DVec3;
-use crate::solve::rows::{RowNode, Rows};
+use crate::solve::rows::{RowNode, Rows, Term, Terms};
 use crate::solve::shadow::Shadow;
-use rapier3d::geometry::ColliderHandle;
-
-/// An attachment while its group is advanced.
-#[derive(Clone, Debug)]
-pub(super) struct Attached {
-    pub handle: AttachmentHandle,
-    pub member: u32,
-    pub shadow: u32,
-    pub attachment: Attachment<DeformableHandle>,
-    /// Impulse and angular impulse on the rigid body in this rigid step.
-    pub impulse: DVec3,
-    pub torque: DVec3,
-}
+use crate::solve::work::Work;
 
 /// Deformables that share substeps and rows, and the shadows of what they can touch.
 #[derive(Debug)]
@@ -33,14 +25,23 @@ pub(super) struct Group {
     pub members: Vec<(DeformableHandle, Box<Deformable>)>,
     /// Per member, sorted by collider.
     pub candidates: Vec<Vec<Candidates>>,
+    /// Pairs of members that may touch, sorted.
+    pub encounters: Vec<Encounter>,
     /// The first is the fixed world, the others belong to `touched`.
     pub shadows: Vec<Shadow>,
     pub touched: Vec<Touched>,
     pub attachments: Vec<Attached>,
     pairs: Vec<PairImpulse>,
-    tied: Vec<AttachmentImpulse>,
-    rows: Rows,
+    /// What pairs add up over the substeps.
+    sums: Vec<PairSum>,
+    /// What nodes got in the substep under way, if that is wanted.
+    node_impulses: Option<Vec<NodeImpulse>>,
+    pub tied: Vec<AttachmentImpulse>,
+    pub rows: Rows,
 }
+
+/// Distance within which a node counts as near a sleeping body, in length units.
+pub(super) const NEAR: f64 = 2e-3;
 
 /// Settings of a substep.
 #[derive(Clone, Copy)]
@@ -48,8 +49,8 @@ pub(super) struct Settings {
     pub passes: usize,
     /// Speed of the push-out \[m/s\].
     pub push_out: f64,
-    /// Margin of candidate lists \[m\].
-    pub margin: f64,
+    /// Distance within which a node counts as near a sleeping body \[m\].
+    pub near: f64,
     /// Distance that counts as touching \[m\].
     pub touching: f64,
     /// The world's length unit.
@@ -61,46 +62,38 @@ impl Group {
         Self {
             members: Vec::new(),
             candidates: Vec::new(),
+            encounters: Vec::new(),
             shadows: vec![Shadow::FIXED],
             touched: Vec::new(),
             attachments: Vec::new(),
             pairs: Vec::new(),
+            sums: Vec::new(),
+            node_impulses: None,
             tied: Vec::new(),
             rows: Rows::default(),
         }
     }
 
-    pub fn add_pair(&mut self, member: usize, collider: ColliderHandle) -> u32 {
+    pub fn add_pair(&mut self, member: usize, partner: Partner) -> u32 {
         self.pairs.push(PairImpulse {
             deformable: self.members[member].0,
-            collider,
+            partner,
             impulse: DVec3::ZERO,
             depth: 0.0,
             touching: 0,
         });
+        self.sums.push(PairSum::default());
         self.pairs.len() as u32 - 1
     }
 
-    pub fn add_attachment(
-        &mut self,
-        member: usize,
-        handle: AttachmentHandle,
-        shadow: u32,
-        attachment: Attachment<DeformableHandle>,
-    ) {
-        self.tied.push(AttachmentImpulse {
-            attachment: handle,
-            deformable: attachment.deformable,
-            impulse: DVec3::ZERO,
-        });
-        self.attachments.push(Attached {
-            handle,
-            member: member as u32,
-            shadow,
-            attachment,
-            impulse: DVec3::ZERO,
-            torque: DVec3::ZERO,
-        });
+    /// What each pair has done in this rigid step.
+    pub fn pair_sums(&self) -> impl Iterator<Item = (&PairImpulse, &PairSum)> {
+        self.pairs.iter().zip(&self.sums)
+    }
+
+    /// After a step that went wrong, nothing counts as touched.
+    pub fn forget_touches(&mut self) {
+        self.sums.fill(PairSum::default());
     }
 
     /// Brings the velocities of shadows to the instants of the group's substeps.
@@ -129,9 +122,12 @@ impl Group {
         }
         self.read_free_velocities(h);
         self.rows.solve(&mut self.shadows, h, s.passes, reversed);
+        self.remember(s);
         self.write_velocities(h);
         self.push_out(h, s);
+        self.list_node_impulses(observer.wants_node_impulses());
         self.book_work();
+        self.book_ties(h, time);
         for (_, body) in &mut self.members {
             body.finish(h);
         }
@@ -162,22 +158,24 @@ impl Group {
                     slack,
                     farthest: s.touching + slack + 2.0 * moved,
                 };
-                c.refresh(&body.state, shadow, moved, s.margin, reach.farthest);
-                c.add_rows(
-                    m,
-                    &body.state,
+                let site = Site {
+                    side: Side {
+                        body: m,
+                        state: &body.state,
+                        topology: &body.topology,
+                    },
                     shadow,
-                    &mut body.slots,
-                    &mut self.rows,
+                    slots: &mut body.slots,
+                    rows: &mut self.rows,
                     reach,
-                );
-            }
-            for (i, a) in (0..).zip(&self.attachments).filter(|(_, a)| a.member == m) {
-                let shadow = (a.shadow, &self.shadows[a.shadow as usize]);
-                a.attachment
-                    .add_ties(i, m, shadow, &body.state, &mut body.slots, &mut self.rows);
+                };
+                c.find_rows(site, moved, s.near);
             }
         }
+        for encounter in &mut self.encounters {
+            meet::find_rows(encounter, &mut self.members, &mut self.rows, h, s);
+        }
+        self.find_ties(h);
     }
 
     fn read_free_velocities(&mut self, h: f64) {
@@ -188,36 +186,43 @@ impl Group {
         }
     }
 
-    fn write_velocities(&mut self, h: f64) {
-        // Row nodes come member by member, because rows are found so.
-        for nodes in self.rows.nodes.chunk_by(|a, b| a.body == b.body) {
-            let body = &mut self.members[nodes[0].body as usize].1;
-            for node in nodes {
-                body.slots[node.node as usize] = u32::MAX;
-            }
-            let changed = nodes.iter().filter(|n| n.v != n.free);
-            body.take_impulses(changed.map(|n| (n.node as usize, n.v - n.free)), h);
+    /// What touches, sticks and slides, for the next substep.
+    fn remember(&mut self, s: &Settings) {
+        for c in self.candidates.iter_mut().flatten() {
+            c.remember(&self.rows, s.touching);
+        }
+        for e in &mut self.encounters {
+            e.remember(&self.rows, s.touching);
         }
     }
 
-    /// Mends depth and tie errors at position level, on the node alone, which gives nothing any velocity. What that changes
-    /// in stored energy is booked; the angular momentum that a moved node loses goes to the body it is moved out of, if
-    /// that is free.
+    fn write_velocities(&mut self, h: f64) {
+        for node in &self.rows.nodes {
+            let body = &mut self.members[node.body as usize].1;
+            body.slots[node.node as usize] = u32::MAX;
+            if node.v != node.free {
+                body.take_impulse(node.node as usize, node.v - node.free, h);
+            }
+        }
+        for (_, body) in &mut self.members {
+            body.move_anew(h);
+        }
+    }
+
+    /// Mends depth, creep of what sticks, and errors of ties at position level, on the nodes alone, which gives nothing any
+    /// velocity. Ties are mended in full, and at a limited rate only while something moved from outside is on its way back. What that changes in stored energy is booked; the angular momentum that a moved node loses goes to the
+    /// body it is moved out of, if that is free.
     fn push_out(&mut self, h: f64, s: &Settings) {
         let Self {
             rows,
             members,
             shadows,
             touched,
+            attachments,
             ..
         } = self;
-        let mut mend = |node: u32, shadow: u32, by: DVec3| {
-            let node = &rows.nodes[node as usize];
-            // A pinned node stays where it is put.
-            if node.inv_mass == 0.0 {
-                return;
-            }
-            let lost = displace(members, node, by);
+        let mut mend = |terms: Terms, shadow: u32, by: DVec3| {
+            let lost = displace(members, &rows.nodes, rows.terms_of(terms), by);
             if (shadow as usize)
                 .checked_sub(1)
                 .is_some_and(|i| touched[i].answer == Answer::Free)
@@ -227,49 +232,93 @@ impl Group {
                 shadow.torque += lost;
             }
         };
-        for row in rows.contacts.iter().filter(|r| r.depth > 0.0) {
-            let by = row.normal * push_out(row.depth, h, s.push_out);
-            mend(row.node, row.shadow, by);
+        for row in &rows.contacts {
+            let mut by = DVec3::ZERO;
+            if row.depth > 0.0 && row.softness == 0.0 {
+                by += row.normal * push_out(row.depth, h, s.push_out);
+            }
+            if row.drift != DVec3::ZERO && row.sticks() {
+                by -= row.drift * pull_back(h);
+            }
+            if by != DVec3::ZERO {
+                mend(row.terms, row.shadow, by);
+            }
         }
-        for tie in &rows.ties {
+        for tie in rows.ties.iter().filter(|t| t.softness == 0.0) {
             let length = tie.error.length();
             if length > 0.0 {
-                let by = tie.error * (-push_out(length, h, s.push_out) / length);
-                mend(tie.node, tie.shadow, by);
+                let loose = attachments[tie.attachment as usize].bond.loose;
+                let most = if loose { s.push_out * h } else { length };
+                mend(tie.terms, tie.shadow, -towards(tie.error, length.min(most)));
             }
         }
     }
 
-    /// Work of every row by the trapezoid rule over the displacements actually made.
+    /// Work of every row by the trapezoid rule over the displacements actually made. It is booked where the two sides meet:
+    /// at the collider's velocity, or half-way between the points of two deformables.
     fn book_work(&mut self) {
         for row in &self.rows.contacts {
-            let impulse = row.normal * row.normal_impulse + row.friction_impulse;
+            let terms = self.rows.terms_of(row.terms);
             let shadow = &self.shadows[row.shadow as usize];
-            let (mean, work) = mean_velocity(
-                &mut self.members,
-                &self.rows.nodes[row.node as usize],
-                impulse,
-            );
-            let rigid = 0.5 * (shadow.velocity_before(row.arm) + shadow.velocity_at(row.arm));
-            work.contact_normal -= row.normal_impulse * row.normal.dot(mean - rigid);
-            work.contact_friction -= row.friction_impulse.dot(mean - rigid);
-            work.rigid += impulse.dot(rigid);
-            let pair = &mut self.pairs[row.pair as usize];
-            pair.impulse += impulse;
-            pair.depth = pair.depth.max(row.depth);
-            pair.touching += u32::from(row.normal_impulse > 0.0);
+            let meeting = if row.between {
+                0.5 * mean_velocity(&self.members, &self.rows.nodes, terms, f64::abs)
+            } else {
+                0.5 * (shadow.velocity_before(row.arm) + shadow.velocity_at(row.arm))
+            };
+            let impulse = row.impulse();
+            let along = row.normal * row.normal_impulse;
+            for term in terms {
+                let node = &self.rows.nodes[term.node as usize];
+                let (mean, work) = node_work(&mut self.members, node, impulse * term.share);
+                work.contact_normal -= term.share * along.dot(mean - meeting);
+                work.contact_friction -= term.share * row.friction_impulse.dot(mean - meeting);
+                work.rigid += term.share * impulse.dot(meeting);
+            }
+            let pair = row.pair as usize;
+            let pressed = row.normal_impulse > 0.0;
+            // Two deformables are two pairs, the second with the impulse on the other one.
+            for (i, sign) in [1.0, -1.0].into_iter().enumerate() {
+                if i == 1 && !row.between {
+                    break;
+                }
+                let of_this = |t: &&Term| t.weight * sign > 0.0;
+                let share: f64 = terms.iter().filter(of_this).map(|t| t.share).sum();
+                let sums = &mut self.pairs[pair + i];
+                sums.impulse += impulse * share;
+                sums.depth = sums.depth.max(row.depth);
+                sums.touching += u32::from(pressed);
+                if pressed {
+                    let point = point(&self.members, &self.rows.nodes, terms, sign);
+                    self.sums[pair + i].add_row(point, row.normal * sign, row.normal_impulse);
+                }
+            }
         }
-        for tie in &self.rows.ties {
-            let (mean, work) = mean_velocity(
-                &mut self.members,
-                &self.rows.nodes[tie.node as usize],
-                tie.impulse,
-            );
-            work.rigid += tie.impulse.dot(mean);
-            let attached = &mut self.attachments[tie.attachment as usize];
-            attached.impulse -= tie.impulse;
-            attached.torque -= tie.arm.cross(tie.impulse);
-            self.tied[tie.attachment as usize].impulse += tie.impulse;
+    }
+
+    /// What each node got of each row.
+    fn list_node_impulses(&mut self, wanted: bool) {
+        if !wanted {
+            self.node_impulses = None;
+            return;
+        }
+        let list = self.node_impulses.get_or_insert_default();
+        list.clear();
+        for row in &self.rows.contacts {
+            let impulse = row.impulse();
+            if impulse == DVec3::ZERO {
+                continue;
+            }
+            list.extend(self.rows.terms_of(row.terms).iter().map(|term| {
+                let node = &self.rows.nodes[term.node as usize];
+                // The nodes of the other deformable belong to the second pair.
+                let pair = row.pair as usize + usize::from(row.between && term.weight < 0.0);
+                NodeImpulse {
+                    deformable: self.members[node.body as usize].0,
+                    node: NodeId(node.node),
+                    partner: self.pairs[pair].partner,
+                    impulse: impulse * term.share,
+                }
+            }));
         }
     }
 
@@ -322,18 +371,21 @@ impl Group {
                 });
             }
         }
+        self.report_breaks(observer);
         observer.substep(&Substep {
             time,
             h,
             deformables: &self.members,
             contacts: &self.pairs,
             attachments: &self.tied,
+            node_impulses: self.node_impulses.as_deref().unwrap_or_default(),
         });
-        for pair in &mut self.pairs {
+        for (pair, sum) in self.pairs.iter_mut().zip(&mut self.sums) {
+            sum.add(pair, h);
             (pair.impulse, pair.depth, pair.touching) = (DVec3::ZERO, 0.0, 0);
         }
         for tied in &mut self.tied {
-            tied.impulse = DVec3::ZERO;
+            (tied.impulse, tied.moment) = Default::default();
         }
     }
 
@@ -348,7 +400,7 @@ impl Group {
                 near[i] = near[i] || c.any_within(&body.state, &self.shadows[i + 1], distance);
             }
         }
-        for a in &self.attachments {
+        for a in self.attachments.iter().filter(|a| !a.bond.is_broken()) {
             if let Some(i) = (a.shadow as usize).checked_sub(1) {
                 near[i] = true;
             }
@@ -357,35 +409,84 @@ impl Group {
     }
 }
 
-type Members = [(DeformableHandle, Box<Deformable>)];
+pub(super) type Members = [(DeformableHandle, Box<Deformable>)];
 
-/// Moves a node, books what that adds to the stored energy, and returns what it takes from the angular momentum.
-fn displace(members: &mut Members, node: &RowNode, by: DVec3) -> DVec3 {
-    let body = &mut members[node.body as usize].1;
-    let i = node.node as usize;
-    let mass = f64::from(body.blueprint.nodes[i].mass);
-    let force = body.solver.force(i) + body.gravity() * mass;
-    body.solver.work.push_out -= force.dot(by);
-    let step = by.as_vec3().to_array();
-    body.state.displace(i, step);
-    -by.cross(body.state.velocity(i) * mass)
+/// A vector of length `length` along `v`.
+fn towards(v: DVec3, length: f64) -> DVec3 {
+    v * (length / v.length())
+}
+
+/// Moves a point by moving its nodes as an impulse would, books what that adds to the stored energy, and returns what it
+/// takes from the angular momentum. A pinned node stays where it is put.
+fn displace(members: &mut Members, nodes: &[RowNode], terms: &[Term], by: DVec3) -> DVec3 {
+    let response: f64 = terms
+        .iter()
+        .map(|t| t.weight * t.share * nodes[t.node as usize].inv_mass)
+        .sum();
+    let mut lost = DVec3::ZERO;
+    if response <= 0.0 {
+        return lost;
+    }
+    for term in terms {
+        let node = &nodes[term.node as usize];
+        let by = by * (term.share * node.inv_mass / response);
+        if by == DVec3::ZERO {
+            continue;
+        }
+        let body = &mut members[node.body as usize].1;
+        let i = node.node as usize;
+        let mass = f64::from(body.blueprint.nodes[i].mass);
+        let force = body.solver.force(i) + body.gravity() * mass;
+        body.solver.work.push_out -= force.dot(by);
+        body.state.displace(i, by.as_vec3().to_array());
+        lost -= by.cross(body.state.velocity(i) * mass);
+    }
+    lost
+}
+
+/// Where a row acts on its first body, or with a sign of −1 on its second \[m\].
+fn point(members: &Members, nodes: &[RowNode], terms: &[Term], sign: f64) -> DVec3 {
+    let place = |t: &Term| {
+        let node = &nodes[t.node as usize];
+        let body = &members[node.body as usize].1;
+        body.state.position(node.node as usize) * (t.weight * sign).max(0.0)
+    };
+    terms.iter().map(place).sum()
+}
+
+/// Leapfrog velocities stand at half substeps: the trapezoid of the displacements before and after the impulse. The other
+/// schemes know the velocity at the impulse itself, just before it and just after.
+fn mean(body: &Deformable, node: &RowNode) -> DVec3 {
+    if body.integrator().takes_late_impulses() {
+        0.5 * (node.before + node.v)
+    } else {
+        node.before + 0.5 * (node.v - node.free)
+    }
+}
+
+/// The sum of the nodes' mean velocities by the weights after `of` \[m/s\].
+fn mean_velocity(
+    members: &Members,
+    nodes: &[RowNode],
+    terms: &[Term],
+    of: impl Fn(f64) -> f64,
+) -> DVec3 {
+    let velocity = |t: &Term| {
+        let node = &nodes[t.node as usize];
+        mean(&members[node.body as usize].1, node) * of(t.weight)
+    };
+    terms.iter().map(velocity).sum()
 }
 
 /// The velocity whose product with an impulse on a node is its work, and where to book it. Whatever holds a pinned node
 /// takes up the work of the impulse.
-fn mean_velocity<'a>(
+pub(super) fn node_work<'a>(
     members: &'a mut Members,
     node: &RowNode,
     impulse: DVec3,
-) -> (DVec3, &'a mut crate::solve::work::Work) {
+) -> (DVec3, &'a mut Work) {
     let body = &mut members[node.body as usize].1;
-    // Leapfrog velocities stand at half substeps: the trapezoid of the displacements before and after the impulse. The
-    // other schemes know the velocity at the impulse itself, just before it and just after.
-    let mean = if body.integrator().takes_late_impulses() {
-        0.5 * (node.before + node.v)
-    } else {
-        node.before + 0.5 * (node.v - node.free)
-    };
+    let mean = mean(body, node);
     let work = &mut body.solver.work;
     if node.inv_mass == 0.0 {
         work.external -= impulse.dot(mean);

@@ -2,6 +2,7 @@
 
 mod api;
 mod bad_input;
+mod contact;
 mod coupling;
 mod fixtures;
 #[cfg(feature = "cli")]

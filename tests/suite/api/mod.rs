@@ -2,10 +2,17 @@
 
 mod attach;
 mod bitwise;
+mod brute;
+mod debug;
+mod events;
 mod forces;
 mod handles;
+mod hooks;
 mod kinematic;
+mod overlaps;
+mod queries;
 mod rigid;
+mod settings;
 mod sleep;
 mod state;
 mod time;

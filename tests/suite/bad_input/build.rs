@@ -420,4 +420,78 @@ fn attachments() {
     let held = attach(soft, &[0, 0], rigid).expect("one node named twice is one node");
     assert!(deformables.detach(held) && !deformables.detach(held));
     assert_eq!(deformables.attachment_force(held), None);
+
+    let mut attach =
+        |what: Attachment, to: AttachTo| deformables.attach(soft, what, to, &world.bodies);
+    let node = || [NodeId(0)];
+    let link = |k: f32| Attachment::link(node(), k);
+    for (what, names) in [
+        (link(f32::NAN), "stiffness"),
+        (link(0.0), "stiffness"),
+        (link(-1.0), "stiffness"),
+        (link(f32::INFINITY), "stiffness"),
+        (link(1.0).damping(-1.0), "damping"),
+        (link(1.0).damping(f32::NAN), "damping"),
+        (Attachment::weld(node()).damping(1.0), "damping"),
+        (Attachment::weld(node()).strength(f32::NAN), "strength"),
+        (Attachment::pin(node()).strength(-1.0), "strength"),
+        (Attachment::weld(node()).moment_strength(-1.0), "moment"),
+        (Attachment::pin(node()).at(Vector::X * f32::NAN), "pivot"),
+    ] {
+        match attach(what.clone(), rigid.into()) {
+            Err(AttachError::Value { what, .. }) => assert!(what.contains(names), "{what}"),
+            other => panic!("{what:?}: {other:?}"),
+        }
+    }
+    assert_eq!(
+        attach(Attachment::weld(node()), soft.into()),
+        Err(AttachError::ToItself(soft))
+    );
+    assert_eq!(
+        attach(Attachment::weld(node()), stale.into()),
+        Err(AttachError::UnknownDeformable(stale))
+    );
+    assert_eq!(
+        attach(Attachment::weld([]), AttachTo::World),
+        Err(AttachError::NoNodes)
+    );
+    let off = attach(Attachment::pin(node()).at(Vector::X), AttachTo::World);
+    assert_eq!(off, Err(AttachError::Pivot { distance: 1.0 }));
+}
+
+/// Either side may be disabled, enabled again, and removed, in any order.
+#[test]
+fn sides_of_attachments_come_and_go() {
+    let mut world = PhysicsWorld::default();
+    let rigid = world.insert_body(RigidBodyBuilder::dynamic().additional_mass(1.0));
+    let mut deformables = DeformableWorld::new();
+    let [a, b] = [(); 2].map(|()| deformables.insert(bead(1.0)).unwrap());
+    let node = [NodeId(0)];
+    let hang = deformables
+        .attach(
+            a,
+            Attachment::link(node, 1.0e4),
+            AttachTo::World,
+            &world.bodies,
+        )
+        .unwrap();
+    let weld = deformables.attach(a, &node, rigid, &world.bodies).unwrap();
+    let tie = deformables.attach(b, &node, a, &world.bodies).unwrap();
+    assert_eq!(deformables.attachments().count(), 3);
+    for step in 0..60 {
+        world.bodies[rigid].set_enabled(step % 7 != 3);
+        deformables[a].set_enabled(step % 11 != 5);
+        deformables[b].set_enabled(step % 13 != 6);
+        deformables.step(&mut world);
+        assert!(deformables.report().frozen.is_empty());
+        assert!(deformables[b].position(NodeId(0)).unwrap().is_finite());
+    }
+    world.remove_body(rigid);
+    deformables.step(&mut world);
+    assert!(!deformables.contains_attachment(weld) && deformables.contains_attachment(tie));
+    let body = deformables.remove(a).unwrap();
+    assert_eq!(body.energies().elastic, 0.0, "the link is gone");
+    assert!(!deformables.contains_attachment(tie) && !deformables.contains_attachment(hang));
+    deformables.step(&mut world);
+    assert_eq!(deformables.attachments().count(), 0);
 }

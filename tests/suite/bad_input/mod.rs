@@ -3,6 +3,7 @@
 mod build;
 #[cfg(feature = "import")]
 mod files;
+mod queries;
 mod setters;
 mod shapes;
 mod stepping;

@@ -126,6 +126,10 @@ fn a_force_field_of_nan_freezes_its_body_alone() {
 fn an_explosion_reaches_no_rigid_body_as_nan() {
     for n in [1, 4, 16] {
         let (mut world, _) = floored(1.0 / 60.0);
+        let debris = InteractionGroups {
+            filter: !Group::GROUP_2,
+            ..InteractionGroups::all()
+        };
         for i in 0..3 {
             world.insert(
                 RigidBodyBuilder::dynamic().translation(Vector::new(
@@ -133,7 +137,7 @@ fn an_explosion_reaches_no_rigid_body_as_nan() {
                     0.25 + 0.5 * i as f32,
                     0.0,
                 )),
-                ColliderBuilder::cuboid(0.25, 0.25, 0.25),
+                ColliderBuilder::cuboid(0.25, 0.25, 0.25).collision_groups(debris),
             );
         }
         let mut deformables = DeformableWorld::new();
@@ -148,6 +152,12 @@ fn an_explosion_reaches_no_rigid_body_as_nan() {
         let other = deformables
             .insert(cube(0.3).translation(Vector::new(-3.0, 0.15, 0.0)))
             .unwrap();
+        // Debris at 1e7 m/s would hit the other body, which is contact and not what is tested here.
+        deformables[bomb].surface_mut().collision_groups = debris;
+        deformables[other]
+            .surface_mut()
+            .collision_groups
+            .memberships = Group::GROUP_2;
         let (mut unstable, mut frozen) = (false, false);
         for _ in 0..60 {
             deformables.step(&mut world);

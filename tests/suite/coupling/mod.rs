@@ -1,8 +1,12 @@
 //! Two-way coupling with Rapier's rigid bodies: each scene runs as shipped (Rapier stepped at 1/240 s while a deformable
 //! can touch an awake body) and with Rapier stepped at every substep, which is the reference.
 
+mod attached;
+mod carried;
 mod impact;
 mod rest;
+mod soft;
+mod stick;
 
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;

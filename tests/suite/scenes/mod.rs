@@ -1,7 +1,15 @@
 //! The scenes of the catalog, held against the figures they are there for, and the command line that runs them.
 
 mod cli;
+mod cradle;
 mod drop;
 mod ledger;
+mod pile;
+mod pole;
+mod random;
 mod recorder;
+mod slalom;
+mod terrain;
+mod thin_plate;
+mod trampoline;
 mod wall;

@@ -1,8 +1,10 @@
 //! Closed forms and discrete references.
 
+mod bars;
 mod chains;
 mod cloth;
 mod crash;
+mod held;
 mod impact;
 mod integrators;
 mod lattice;

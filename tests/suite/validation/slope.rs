@@ -97,3 +97,21 @@ fn v29_stopping_on_the_flat() {
     close("time to stop [s]", stopped, 1.019368, 0.01);
     close("way [m]", way, 1.529052, 0.01);
 }
+
+/// V29: what sticks does not creep. The box is let go on the slope and settles for two seconds; then it must stay where it
+/// is for ten, awake.
+#[test]
+fn v29_sticking_does_not_drift() {
+    for mu in [0.6, 0.8, 1.2] {
+        let (mut world, mut deformables, handle) = scene(mu, std::f32::consts::FRAC_PI_6);
+        for _ in 0..120 {
+            deformables.step(&mut world);
+        }
+        let start = deformables[handle].center_of_mass();
+        for _ in 0..600 {
+            deformables.step(&mut world);
+        }
+        let drift = (deformables[handle].center_of_mass() - start).length();
+        assert!(drift < 1e-4, "μ = {mu}: drifts by {drift:.2e} m in 10 s");
+    }
+}

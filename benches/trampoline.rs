@@ -1,0 +1,111 @@
+//! Ten boxes of 10 kg on a pinned sheet, side by side with Rapier's own cloth: same nodes, mass, border, boxes and drop.
+//!
+//! `cargo bench --bench trampoline --features scenario` prints a CSV: boxes still over the level they would have fallen to
+//! with the sheet out of their way, the lowest node ever, milliseconds per frame of 1/60 s. Rapier's cloth has its default
+//! material, which is not in N/m: what is compared is who holds the boxes and at what cost, not the sag.
+
+use crumple::prelude::*;
+use crumple::rapier3d::prelude::*;
+use crumple::scenario::trampoline::{BOX_MASS, HALF, SIDE, net, places};
+use std::time::Instant;
+
+const NODES: usize = 30;
+const FRAMES: usize = 300;
+/// A box whose middle is lower is through: more than a metre under the pinned border \[m\].
+const LOST: f32 = -1.0;
+
+struct Outcome {
+    held: usize,
+    sag: f32,
+    ms_per_frame: f64,
+}
+
+fn world() -> (PhysicsWorld, Vec<RigidBodyHandle>) {
+    let mut world = PhysicsWorld::default();
+    let boxes = places(0.0).map(|at| {
+        let body = RigidBodyBuilder::dynamic().translation(at);
+        let collider = ColliderBuilder::cuboid(HALF, HALF, HALF)
+            .mass(BOX_MASS)
+            .friction(0.5);
+        world.insert(body, collider).0
+    });
+    let boxes = boxes.collect();
+    (world, boxes)
+}
+
+fn held(world: &PhysicsWorld, boxes: &[RigidBodyHandle]) -> usize {
+    let over = |b: &&RigidBodyHandle| world.bodies[**b].translation().y > LOST;
+    boxes.iter().filter(over).count()
+}
+
+fn ours(mass: f32) -> Outcome {
+    let (mut world, boxes) = world();
+    let mut deformables = DeformableWorld::default();
+    let net = net(mass, NODES).expect("a sheet");
+    let sheet = deformables
+        .insert(DeformableBuilder::new(net))
+        .expect("the sheet is stable");
+    let (mut spent, mut sag) = (0.0, 0.0_f32);
+    for _ in 0..FRAMES {
+        let start = Instant::now();
+        deformables.step(&mut world);
+        spent += start.elapsed().as_secs_f64();
+        sag = sag.max(-deformables[sheet].bounds().0.y as f32);
+    }
+    Outcome {
+        held: held(&world, &boxes),
+        sag,
+        ms_per_frame: 1e3 * spent / FRAMES as f64,
+    }
+}
+
+fn rapier(mass: f32, iterations: usize) -> Outcome {
+    let (mut world, boxes) = world();
+    world.integration_parameters.num_solver_iterations = iterations;
+    let cell = SIDE / (NODES - 1) as f32;
+    let origin = Vector::new(-0.5 * SIDE, 0.0, -0.5 * SIDE);
+    let border = (0..NODES * NODES).filter(|i| {
+        let (row, column) = (i / NODES, i % NODES);
+        row % (NODES - 1) == 0 || column % (NODES - 1) == 0
+    });
+    let handle = world.insert_soft_body(
+        SoftBodyBuilder::cloth(origin, Vector::X * cell, Vector::Z * cell, NODES, NODES)
+            .mass(mass)
+            .pinned_particles(border.map(|i| i as u32))
+            .can_sleep(false),
+    );
+    let (mut spent, mut sag) = (0.0, 0.0_f32);
+    for _ in 0..FRAMES {
+        let start = Instant::now();
+        world.step();
+        spent += start.elapsed().as_secs_f64();
+        let body = &world.soft_bodies[handle];
+        for i in 0..NODES * NODES {
+            sag = sag.max(-body.particle_position(i).y);
+        }
+    }
+    Outcome {
+        held: held(&world, &boxes),
+        sag,
+        ms_per_frame: 1e3 * spent / FRAMES as f64,
+    }
+}
+
+fn main() {
+    println!("case,sheet_kg,boxes_held,max_sag_m,ms_per_frame");
+    for mass in [10.0, 1.0] {
+        let show = |case: &str, o: &Outcome| {
+            let Outcome {
+                held,
+                sag,
+                ms_per_frame,
+            } = o;
+            println!("\"{case}\",{mass},{held},{sag:.4},{ms_per_frame:.3}");
+        };
+        for iterations in [4, 16, 64] {
+            let case = format!("rapier native, {iterations} iterations");
+            show(&case, &rapier(mass, iterations));
+        }
+        show("crumple", &ours(mass));
+    }
+}

@@ -1,0 +1,50 @@
+//! What of a body a shape touches, by parry's intersection tests.
+
+use super::tree::Bounds;
+use super::{Feature, Search};
+use crate::math::{DVec3, Pose, Real, narrow};
+use rapier3d::parry::query::{DefaultQueryDispatcher, QueryDispatcher};
+use rapier3d::parry::shape::{Ball, Capsule, Segment, Shape, Triangle};
+
+impl Search<'_> {
+    /// The features that a shape at `pose` about the body's origin touches, in the order of their indices. Nothing outside
+    /// of `within` is looked at.
+    pub fn touching(&self, pose: &Pose, shape: &dyn Shape, within: Bounds) -> Vec<Feature> {
+        let near = |bounds: Bounds| overlap(self.padded(bounds), within).is_some();
+        let mut found: Vec<Feature> = self
+            .tree
+            .leaves(near)
+            .filter_map(|leaf| self.feature(leaf))
+            .filter(|feature| self.touches(*feature, pose, shape))
+            .collect();
+        found.sort_unstable();
+        found
+    }
+
+    fn touches(&self, feature: Feature, pose: &Pose, shape: &dyn Shape) -> bool {
+        let [a, b, c] = self.corners(feature).map(narrow);
+        let radius = self.radius as Real;
+        let meets = |own_pose: Pose, own: &dyn Shape| {
+            DefaultQueryDispatcher
+                .intersection_test(&pose.inv_mul(&own_pose), shape, own)
+                .is_ok_and(|found| found.intersecting)
+        };
+        match feature {
+            Feature::Face(_) => meets(Pose::IDENTITY, &Triangle::new(a, b, c)),
+            Feature::Spring(_) if radius > 0.0 => {
+                meets(Pose::IDENTITY, &Capsule::new(a, b, radius))
+            }
+            Feature::Spring(_) => meets(Pose::IDENTITY, &Segment::new(a, b)),
+            Feature::Node(_) if radius > 0.0 => {
+                meets(Pose::from_translation(a), &Ball::new(radius))
+            }
+            Feature::Node(_) => shape.contains_point(pose, a),
+        }
+    }
+}
+
+/// What two boxes share.
+pub(crate) fn overlap(a: Bounds, b: Bounds) -> Option<Bounds> {
+    let (lo, hi): (DVec3, DVec3) = (a.0.max(b.0), a.1.min(b.1));
+    lo.cmple(hi).all().then_some((lo, hi))
+}

@@ -1,0 +1,376 @@
+//! Solids that act as one. Outside, the nearest part counts. Inside, parts have faces that are not on the surface: two
+//! boxes side by side are one floor, and a node just under its top must not be pushed into the gap between them. So the
+//! ways out through all faces of the parts around a point are gathered, and one that ends in another part is no way out.
+
+use super::{Core, Solid, edges, primitive};
+use crate::contact::target::wide_rotation;
+use crate::math::{DMat3, DQuat, DVec3, wide};
+use rapier3d::parry::shape;
+
+/// Parts in one frame.
+#[derive(Debug, PartialEq)]
+pub struct Compound {
+    parts: Vec<Part>,
+    lo: DVec3,
+    hi: DVec3,
+    /// How far behind a face another part must begin to hide it \[m\]: a few roundings of Rapier's `f32` poses.
+    seam: f64,
+}
+
+#[derive(Debug, PartialEq)]
+struct Part {
+    solid: Solid,
+    position: DVec3,
+    rotation: DQuat,
+    axes: DMat3,
+    /// Its box in the compound's frame.
+    lo: DVec3,
+    hi: DVec3,
+}
+
+impl Part {
+    fn local(&self, p: DVec3) -> DVec3 {
+        self.axes.transpose() * (p - self.position)
+    }
+
+    fn signed_distance(&self, p: DVec3) -> (f64, DVec3) {
+        let (d, n) = self.solid.signed_distance(self.local(p));
+        (d, self.axes * n)
+    }
+
+    /// Whether `p` is inside or less than `margin` m outside.
+    fn holds(&self, p: DVec3, margin: f64) -> bool {
+        self.away(p) <= margin && self.signed_distance(p).0 < margin
+    }
+
+    /// A lower bound of the distance, from its box.
+    fn away(&self, p: DVec3) -> f64 {
+        (self.lo - p).max(p - self.hi).max(DVec3::ZERO).length()
+    }
+}
+
+/// A face as seen from a point.
+#[derive(Clone, Copy, Default)]
+struct Exit {
+    /// Height of the point over it, negative below \[m\].
+    height: f64,
+    normal: DVec3,
+}
+
+/// Nearest ways out, the nearest first. Farther ones than fit are not looked at.
+struct Exits {
+    list: [Exit; Self::MOST],
+    len: usize,
+}
+
+impl Exits {
+    const MOST: usize = 32;
+
+    fn add(&mut self, exit: Exit) {
+        let place = self.list[..self.len].partition_point(|e| e.height >= exit.height);
+        if place == Self::MOST {
+            return;
+        }
+        self.len = (self.len + 1).min(Self::MOST);
+        self.list.copy_within(place..self.len - 1, place + 1);
+        self.list[place] = exit;
+    }
+
+    fn iter(&self) -> impl Iterator<Item = &Exit> {
+        self.list[..self.len].iter()
+    }
+}
+
+impl Compound {
+    /// From parry's; `None` with a part that is no solid.
+    pub fn of(compound: &shape::Compound) -> Option<Self> {
+        let mut parts = Vec::new();
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let mut extent = 0.0_f64;
+        for (pose, shape) in compound.shapes() {
+            let solid = Solid::of(&**shape)?;
+            let (position, rotation) = (wide(pose.translation), wide_rotation(pose.rotation));
+            let axes = DMat3::from_quat(rotation);
+            let (lo, hi) = turned(&axes, position, solid.bounds());
+            (low, high) = (low.min(lo), high.max(hi));
+            for end in [lo, hi] {
+                if end.is_finite() {
+                    extent = extent.max(end.abs().max_element());
+                }
+            }
+            parts.push(Part {
+                solid,
+                position,
+                rotation,
+                axes,
+                lo,
+                hi,
+            });
+        }
+        Some(Self {
+            parts,
+            lo: low,
+            hi: high,
+            seam: 8.0 * f64::from(f32::EPSILON) * extent,
+        })
+    }
+
+    /// Its box.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        (self.lo, self.hi)
+    }
+
+    /// Smallest width of a part.
+    pub fn width(&self) -> f64 {
+        let widths = self.parts.iter().map(|p| p.solid.width());
+        widths.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Smallest radius of a part.
+    pub fn smallest_radius(&self) -> f64 {
+        let radii = self.parts.iter().map(|p| p.solid.smallest_radius());
+        radii.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Visits the parts.
+    pub fn for_each_convex(&self, f: &mut dyn FnMut(DVec3, DQuat, &Solid)) {
+        for part in &self.parts {
+            part.solid
+                .for_each_convex(&mut |position, rotation, solid| {
+                    let position = part.position + part.axes * position;
+                    f(position, part.rotation * rotation, solid);
+                });
+        }
+    }
+
+    /// Whether any part has an edge in the box.
+    pub fn has_edges_in(&self, lo: DVec3, hi: DVec3) -> bool {
+        self.parts.iter().any(|part| {
+            let back = part.axes.transpose();
+            let (lo, hi) = turned(&back, -(back * part.position), (lo, hi));
+            part.solid.has_edges_in(lo, hi)
+        })
+    }
+
+    /// The first entry into any part; `None` from inside one.
+    pub fn cast(&self, a: DVec3, b: DVec3) -> Option<(f64, DVec3)> {
+        let (low, high) = (a.min(b), a.max(b));
+        let mut first: Option<(f64, DVec3)> = None;
+        for part in &self.parts {
+            if part.lo.cmpgt(high).any() || part.hi.cmplt(low).any() {
+                continue;
+            }
+            let (from, to) = (part.local(a), part.local(b));
+            match part.solid.cast(from, to) {
+                Some((t, n)) if first.is_none_or(|f| t < f.0) => first = Some((t, part.axes * n)),
+                None if part.away(a) <= 0.0 && part.solid.signed_distance(from).0 < 0.0 => {
+                    return None;
+                }
+                _ => {}
+            }
+        }
+        first
+    }
+
+    /// Signed distance and normal.
+    pub fn signed_distance(&self, p: DVec3) -> (f64, DVec3) {
+        let mut best = (f64::INFINITY, DVec3::Y);
+        let mut near = 0;
+        for part in &self.parts {
+            if part.away(p) > best.0.max(self.seam) {
+                continue;
+            }
+            let (d, n) = part.signed_distance(p);
+            near += usize::from(d < self.seam);
+            if d < best.0 {
+                best = (d, n);
+            }
+        }
+        // One part alone, or on its surface far from the others: its own answer.
+        if near == 0 || (near == 1 && !self.hidden(p, best.0, best.1)) {
+            return best;
+        }
+        self.inside(p)
+    }
+
+    /// Whether the way out from `p` along `normal` to a face at `height` ends in some part, or on its surface: a point in
+    /// the gap between two boxes, level with their tops, is not out on either side.
+    fn hidden(&self, p: DVec3, height: f64, normal: DVec3) -> bool {
+        self.covered(p + normal * (self.seam - height))
+    }
+
+    fn covered(&self, end: DVec3) -> bool {
+        let margin = 0.5 * self.seam;
+        self.parts.iter().any(|part| part.holds(end, margin))
+    }
+
+    /// The nearest way out of the parts around `p`: through a face, or through the line in which a face meets one of the
+    /// part that hides it, the inner edge of an L.
+    fn inside(&self, p: DVec3) -> (f64, DVec3) {
+        let mut exits = Exits {
+            list: [Exit::default(); Exits::MOST],
+            len: 0,
+        };
+        for part in &self.parts {
+            if part.away(p) <= self.seam && part.signed_distance(p).0 < self.seam {
+                part.solid.exits(part.local(p), &mut |height, n| {
+                    let normal = part.axes * n;
+                    exits.add(Exit { height, normal });
+                });
+            }
+        }
+        let mut best = (f64::NEG_INFINITY, DVec3::Y);
+        let mut closed = 0;
+        for exit in exits.iter() {
+            if !self.hidden(p, exit.height, exit.normal) {
+                best = (exit.height, exit.normal);
+                break;
+            }
+            closed += 1;
+        }
+        for exit in &exits.list[..closed] {
+            let end = p + exit.normal * (self.seam - exit.height);
+            for part in self
+                .parts
+                .iter()
+                .filter(|part| part.holds(end, 0.5 * self.seam))
+            {
+                part.solid.exits(part.local(p), &mut |height, n| {
+                    let normal = part.axes * n;
+                    let Some(step) = through_edge(exit, &Exit { height, normal }) else {
+                        return;
+                    };
+                    // Off both faces.
+                    let off = (exit.normal + normal) / (1.0 + exit.normal.dot(normal));
+                    let height = -step.length();
+                    if height > best.0 && !self.covered(p + step + off * self.seam) {
+                        best = (height, step.try_normalize().unwrap_or(normal));
+                    }
+                });
+            }
+        }
+        if best.0 > f64::NEG_INFINITY {
+            best
+        } else {
+            self.straight(p, &exits)
+        }
+    }
+
+    /// Where every face is hidden, as for a ball that sticks out of a box: the shortest straight way out among the faces'
+    /// directions and the axes, from part to part.
+    fn straight(&self, p: DVec3, exits: &Exits) -> (f64, DVec3) {
+        let mut best = (f64::NEG_INFINITY, DVec3::Y);
+        let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+        let both = axes.into_iter().flat_map(|axis| [axis, -axis]);
+        for n in both.chain(exits.iter().map(|e| e.normal)) {
+            let way = self.way_out(p, n);
+            if -way > best.0 {
+                best = (-way, n);
+            }
+        }
+        if best.0 > f64::NEG_INFINITY {
+            best
+        } else {
+            (0.0, DVec3::Y)
+        }
+    }
+
+    /// How far it is from `p` along `n` out of all parts; infinite where there is no end.
+    fn way_out(&self, p: DVec3, n: DVec3) -> f64 {
+        let beyond = (self.hi - self.lo).length();
+        let mut way = 0.0;
+        // Every round leaves a part for good, as parts are convex.
+        for _ in 0..=self.parts.len() {
+            let at = p + n * (way + self.seam);
+            let mut farther = way;
+            for part in &self.parts {
+                if !part.holds(at, 0.0) {
+                    continue;
+                }
+                // Back from far outside: where it enters is where the way leaves.
+                let (from, to) = (part.local(at + n * beyond), part.local(at));
+                farther = match part.solid.cast(from, to) {
+                    Some((t, _)) => farther.max(way + self.seam + (1.0 - t) * beyond),
+                    None => f64::INFINITY,
+                };
+            }
+            if farther <= way {
+                return way;
+            }
+            way = farther;
+            if !way.is_finite() {
+                break;
+            }
+        }
+        f64::INFINITY
+    }
+}
+
+/// The step to the line in which two faces meet \[m\], if both must be passed on it.
+fn through_edge(a: &Exit, b: &Exit) -> Option<DVec3> {
+    let c = a.normal.dot(b.normal);
+    let sine = 1.0 - c * c;
+    if sine < 1e-6 {
+        return None;
+    }
+    // The shortest step s with a·s = −height of a, b·s = −height of b.
+    let x = (-a.height + c * b.height) / sine;
+    let y = (-b.height + c * a.height) / sine;
+    if x < 0.0 || y < 0.0 {
+        return None;
+    }
+    Some(a.normal * x + b.normal * y)
+}
+
+/// The box that holds a turned box.
+fn turned(axes: &DMat3, position: DVec3, (lo, hi): (DVec3, DVec3)) -> (DVec3, DVec3) {
+    if !(lo.is_finite() && hi.is_finite()) {
+        return (DVec3::NEG_INFINITY, DVec3::INFINITY);
+    }
+    let (centre, half) = (0.5 * (lo + hi), 0.5 * (hi - lo));
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for i in 0..8 {
+        let p = position + *axes * (centre + half * edges::corner(i));
+        (low, high) = (low.min(p), high.max(p));
+    }
+    (low, high)
+}
+
+impl Solid {
+    /// Every face of a solid as seen from a point: its height over it and the outward normal.
+    fn exits(&self, p: DVec3, f: &mut dyn FnMut(f64, DVec3)) {
+        let mut f = |height: f64, normal: DVec3| f(height - self.radius, normal);
+        match &self.core {
+            Core::Cuboid(half) => {
+                for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
+                    f(p.dot(axis) - half.dot(axis), axis);
+                    f(-p.dot(axis) - half.dot(axis), -axis);
+                }
+            }
+            Core::Cylinder(half_height, radius) => {
+                let (rho, away) = primitive::radial(p);
+                f(rho - radius, away);
+                f(p.y - half_height, DVec3::Y);
+                f(-p.y - half_height, DVec3::NEG_Y);
+            }
+            Core::Cone(half_height, radius) => {
+                let (rho, away) = primitive::radial(p);
+                let mantle = (away * (2.0 * half_height) + DVec3::Y * *radius)
+                    .try_normalize()
+                    .unwrap_or(away);
+                let apex = DVec3::Y * *half_height;
+                f((away * rho + DVec3::Y * p.y - apex).dot(mantle), mantle);
+                f(-p.y - half_height, DVec3::NEG_Y);
+            }
+            Core::Hull(hull) => hull.planes(p, &mut f),
+            Core::Point
+            | Core::Segment(..)
+            | Core::HalfSpace(_)
+            | Core::Compound(_)
+            | Core::Voxels(_) => {
+                let (d, n) = self.signed_distance(p);
+                f(d + self.radius, n);
+            }
+        }
+    }
+}

@@ -1,0 +1,233 @@
+//! Where a straight edge of a deformable crosses an edge or a rim of a solid.
+//!
+//! The place where a signed distance is least along a segment is no help there: under a box that lies flush it is anywhere,
+//! and jumps. The crossing stays where it is, and has a normal perpendicular to both edges.
+
+use super::{Core, Solid, primitive};
+use crate::math::DVec3;
+
+/// A crossing of a segment and an edge of a solid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// Which edge of the solid.
+    pub edge: u32,
+    /// The part of the way along the segment.
+    pub t: f64,
+    /// Outward unit normal, between those of the faces at the edge.
+    pub normal: DVec3,
+    /// Signed distance of the segment along it \[m\].
+    pub distance: f64,
+}
+
+/// How far a normal may lie outside the faces at an edge: a segment that rests on one of them rocks a little.
+const LEAN: f64 = 0.05;
+
+impl Solid {
+    /// Calls `found` for the crossings of the segment `a`–`b` \[m\] with the edges of a convex solid, in the order of the
+    /// edges. Balls and capsules have none, nor have the mantles of cylinders and cones.
+    pub fn for_each_crossing(&self, a: DVec3, b: DVec3, found: &mut dyn FnMut(Crossing)) {
+        let mut edge = 0;
+        let mut give = |meeting: Option<(f64, DVec3, f64)>| {
+            if let Some((t, normal, distance)) = meeting {
+                found(Crossing {
+                    edge,
+                    t,
+                    normal,
+                    distance: distance - self.radius,
+                });
+            }
+            edge += 1;
+        };
+        match &self.core {
+            Core::Cuboid(half) => {
+                for (ends, normals) in (0..12).map(|i| cuboid_edge(i, *half)) {
+                    give(cross([a, b], ends, normals));
+                }
+            }
+            Core::Hull(hull) => {
+                hull.for_each_edge(&mut |ends, normals| give(cross([a, b], ends, normals)));
+            }
+            Core::Cylinder(half_height, radius) => {
+                for side in [-1.0, 1.0] {
+                    let cap = DVec3::Y * side;
+                    for root in rim_roots(a, b, *radius) {
+                        let rim = Rim {
+                            centre: cap * *half_height,
+                            radius: *radius,
+                            cap,
+                            slope: 0.0,
+                        };
+                        give(root.and_then(|t| rim.cross(a, b, t)));
+                    }
+                }
+            }
+            Core::Cone(half_height, radius) => {
+                let height = 2.0 * half_height;
+                for root in rim_roots(a, b, *radius) {
+                    let rim = Rim {
+                        centre: DVec3::NEG_Y * *half_height,
+                        radius: *radius,
+                        cap: DVec3::NEG_Y,
+                        slope: radius / height.max(f64::MIN_POSITIVE),
+                    };
+                    give(root.and_then(|t| rim.cross(a, b, t)));
+                }
+            }
+            Core::Point
+            | Core::Segment(..)
+            | Core::HalfSpace(_)
+            | Core::Compound(_)
+            | Core::Voxels(_) => {}
+        }
+    }
+
+    /// Whether a convex solid has a round side that a segment can touch between edges: that of a ball, a capsule, a cylinder
+    /// or a cone.
+    pub fn has_round_side(&self) -> bool {
+        matches!(
+            self.core,
+            Core::Point | Core::Segment(..) | Core::Cylinder(..) | Core::Cone(..)
+        )
+    }
+}
+
+/// Edge `i` of 12 of a cuboid: its ends and the normals of its faces.
+fn cuboid_edge(i: usize, half: DVec3) -> ([DVec3; 2], [DVec3; 2]) {
+    let side = |bit: usize| if i >> bit & 1 == 1 { 1.0 } else { -1.0 };
+    let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+    let (along, first, second) = (i / 4, (i / 4 + 1) % 3, (i / 4 + 2) % 3);
+    let normals = [axes[first] * side(0), axes[second] * side(1)];
+    let middle = (normals[0] + normals[1]) * half;
+    let reach = axes[along] * half;
+    ([middle - reach, middle + reach], normals)
+}
+
+/// The meeting of a segment with an edge between faces of these normals.
+fn cross([a, b]: [DVec3; 2], [p, q]: [DVec3; 2], normals: [DVec3; 2]) -> Option<(f64, DVec3, f64)> {
+    let (d, u) = (b - a, q - p);
+    let c = d.cross(u);
+    let square = c.length_squared();
+    // Parallel, or no numbers.
+    let flat = square <= 1e-8 * d.length_squared() * u.length_squared();
+    if flat || square.is_nan() {
+        return None;
+    }
+    let t = (p - a).cross(u).dot(c) / square;
+    let s = (p - a).cross(d).dot(c) / square;
+    if !(t > 0.0 && t < 1.0 && (-1e-9..=1.0 + 1e-9).contains(&s)) {
+        return None;
+    }
+    let n = between(c, normals)?;
+    Some((t, n, (a + d * t - (p + u * s)).dot(n)))
+}
+
+/// The unit normal along `c`, outward; `None` unless it lies between those of the faces.
+fn between(c: DVec3, [first, second]: [DVec3; 2]) -> Option<DVec3> {
+    let outward = c.dot(first + second);
+    let n = c.try_normalize()? * 1.0_f64.copysign(outward);
+    let (g, x, y) = (first.dot(second), n.dot(first), n.dot(second));
+    // n = αn₁ + βn₂, for all three are perpendicular to the edge.
+    let scale = 1.0 - g * g;
+    (x - g * y >= -LEAN * scale && y - g * x >= -LEAN * scale && scale > 1e-6).then_some(n)
+}
+
+/// The edge between a cap and the mantle above it.
+struct Rim {
+    centre: DVec3,
+    radius: f64,
+    cap: DVec3,
+    /// Rise of the mantle's normal from the radial direction away from the cap.
+    slope: f64,
+}
+
+impl Rim {
+    /// The meeting of the segment `a`–`b` with the rim where it is as far from the axis, at `t`.
+    fn cross(&self, a: DVec3, b: DVec3, t: f64) -> Option<(f64, DVec3, f64)> {
+        let d = b - a;
+        let point = a + d * t;
+        let radial = primitive::radial(point).1;
+        let mantle = (radial - self.cap * self.slope).normalize();
+        let n = between(d.cross(DVec3::Y.cross(radial)), [self.cap, mantle])?;
+        let rim = self.centre + radial * self.radius;
+        Some((t, n, (point - rim).dot(n)))
+    }
+}
+
+/// Where the segment is at this distance from the y axis.
+fn rim_roots(a: DVec3, b: DVec3, radius: f64) -> [Option<f64>; 2] {
+    let d = b - a;
+    let square = d.x * d.x + d.z * d.z;
+    let half = a.x * d.x + a.z * d.z;
+    let rest = a.x * a.x + a.z * a.z - radius * radius;
+    let root = (half * half - square * rest).sqrt();
+    let inside = |t: f64| (t > 0.0 && t < 1.0).then_some(t);
+    [
+        inside((-half - root) / square),
+        inside((-half + root) / square),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rapier3d::geometry::SharedShape;
+
+    fn crossings(shape: &SharedShape, a: [f64; 3], b: [f64; 3]) -> Vec<Crossing> {
+        let mut found = Vec::new();
+        let (a, b) = (DVec3::from_array(a), DVec3::from_array(b));
+        Solid::of(&**shape)
+            .unwrap()
+            .for_each_crossing(a, b, &mut |c| found.push(c));
+        found
+    }
+
+    #[test]
+    fn a_segment_flush_under_a_box_or_a_cylinder_crosses_its_lower_edges() {
+        let box_of_20_cm = SharedShape::cuboid(0.1, 0.1, 0.1);
+        let corners: Vec<_> = box_of_20_cm.as_cuboid().unwrap().to_trimesh().0;
+        let hull = SharedShape::convex_hull(&corners).unwrap();
+        for shape in [box_of_20_cm, hull, SharedShape::cylinder(0.1, 0.1)] {
+            for gap in [-1e-6, 0.0, 1e-3] {
+                let found = crossings(&shape, [-0.3, -0.1 - gap, 0.0], [0.3, -0.1 - gap, 0.0]);
+                let low: Vec<_> = found.iter().filter(|c| c.normal.y < -0.99).collect();
+                assert_eq!(low.len(), 2, "{found:?}");
+                for c in low {
+                    assert!((c.distance - gap).abs() < 1e-8, "{c:?}");
+                    assert!((c.t - 1.0 / 3.0).abs() < 1e-7 || (c.t - 2.0 / 3.0).abs() < 1e-7);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_segment_across_an_edge_meets_it_along_both_perpendiculars() {
+        let shape = SharedShape::cuboid(0.1, 0.1, 0.1);
+        // Across the edge x = y = .1, a centimetre off.
+        let off = 0.1 + 0.01 / 2.0_f64.sqrt();
+        let found = crossings(
+            &shape,
+            [off - 0.05, off + 0.05, 0.02],
+            [off + 0.05, off - 0.05, 0.02],
+        );
+        let near: Vec<_> = found.iter().filter(|c| c.distance.abs() < 0.05).collect();
+        assert_eq!(near.len(), 1, "{found:?}");
+        assert!((near[0].distance - 0.01).abs() < 1e-7 && (near[0].t - 0.5).abs() < 1e-6);
+        assert!((near[0].normal - DVec3::new(1.0, 1.0, 0.0).normalize()).length() < 1e-6);
+    }
+
+    #[test]
+    fn numbers_that_are_none_cross_nothing() {
+        for shape in [
+            SharedShape::cuboid(0.1, 0.1, 0.0),
+            SharedShape::cylinder(0.0, 0.0),
+            SharedShape::cone(0.0, 0.1),
+        ] {
+            for c in crossings(&shape, [f64::NAN; 3], [0.3, 0.0, 0.0]) {
+                assert!(c.normal.is_finite());
+            }
+            for c in crossings(&shape, [0.0; 3], [0.0; 3]) {
+                assert!(c.normal.is_finite());
+            }
+        }
+    }
+}

@@ -1,0 +1,264 @@
+//! Signed distance and outward normal of a point to a solid collider, in the collider's own frame.
+//!
+//! Everything is computed in `f64` from the shape's own numbers instead of parry's projections: a projection that lands on
+//! the point itself has no direction, the `f32` direction of one that lands a micrometre away is noise that tilts a resting
+//! box by tens of degrees, and parry's answers for thin hulls, round shapes and the inside of compounds are wrong. Here the
+//! normal on a surface is that of the face, and continuous through it.
+//!
+//! A convex solid is a core grown by a radius: a ball is a grown point, a capsule a grown segment, and parry's round shapes
+//! are its sharp ones grown. So there is one closed form per core, and every query is written once.
+
+mod compound;
+mod crossing;
+mod edges;
+mod hull;
+mod line;
+mod planes;
+mod primitive;
+mod quickhull;
+#[cfg(test)]
+mod tests;
+mod voxels;
+mod way;
+
+use crate::math::{DQuat, DVec3, wide};
+use compound::Compound;
+pub use crossing::Crossing;
+use hull::Hull;
+use quickhull::Outline;
+use rapier3d::geometry::{Shape, TypedShape};
+use std::sync::Arc;
+use voxels::Grid;
+
+/// A collider shape with an inside. Cheap to clone: what is large is shared.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solid {
+    core: Core,
+    /// By how much the core is grown \[m\].
+    radius: f64,
+}
+
+/// What a solid is before it is grown. Lengths in m.
+#[derive(Clone, Debug, PartialEq)]
+enum Core {
+    /// The origin.
+    Point,
+    /// Between two points.
+    Segment(DVec3, DVec3),
+    /// Half extents.
+    Cuboid(DVec3),
+    /// Along y: half height and radius.
+    Cylinder(f64, f64),
+    /// Along y, the apex up: half height and radius of the base.
+    Cone(f64, f64),
+    /// Everything below a plane through 0 with this outward normal.
+    HalfSpace(DVec3),
+    /// A convex polyhedron.
+    Hull(Arc<Hull>),
+    /// Solids that act as one.
+    Compound(Arc<Compound>),
+    /// Filled cells of a grid.
+    Voxels(Arc<Grid>),
+}
+
+impl Solid {
+    /// The solid of a parry shape; `None` for surfaces, curves and custom shapes, for a compound with such a part, and for
+    /// hulls and voxels that are not finite. Hulls, compounds and voxels are worked out here, so keep what you get.
+    pub fn of(shape: &dyn Shape) -> Option<Self> {
+        use TypedShape as T;
+        let grown = |core: Core, radius: f32| Self {
+            core,
+            radius: f64::from(radius).max(0.0),
+        };
+        Some(match shape.as_typed_shape() {
+            T::Ball(s) => grown(Core::Point, s.radius),
+            T::Capsule(s) => grown(
+                Core::Segment(wide(s.segment.a), wide(s.segment.b)),
+                s.radius,
+            ),
+            T::Cuboid(s) => grown(Core::cuboid(s.half_extents), 0.0),
+            T::RoundCuboid(s) => grown(Core::cuboid(s.inner_shape.half_extents), s.border_radius),
+            T::Cylinder(s) => grown(Core::cylinder(s.half_height, s.radius), 0.0),
+            T::RoundCylinder(s) => grown(
+                Core::cylinder(s.inner_shape.half_height, s.inner_shape.radius),
+                s.border_radius,
+            ),
+            T::Cone(s) => grown(Core::cone(s.half_height, s.radius), 0.0),
+            T::RoundCone(s) => grown(
+                Core::cone(s.inner_shape.half_height, s.inner_shape.radius),
+                s.border_radius,
+            ),
+            T::HalfSpace(s) => grown(
+                Core::HalfSpace(wide(s.normal).try_normalize().unwrap_or(DVec3::Y)),
+                0.0,
+            ),
+            T::ConvexPolyhedron(s) => grown(Core::hull(s.points())?, 0.0),
+            T::RoundConvexPolyhedron(s) => {
+                grown(Core::hull(s.inner_shape.points())?, s.border_radius)
+            }
+            T::Compound(s) => grown(Core::Compound(Arc::new(Compound::of(s)?)), 0.0),
+            T::Voxels(s) => grown(Core::Voxels(Arc::new(Grid::of(s)?)), 0.0),
+            _ => return None,
+        })
+    }
+
+    /// Whether a shape is of a kind that [`Solid::of`] takes, without working anything out.
+    pub fn takes(shape: &dyn Shape) -> bool {
+        use TypedShape as T;
+        match shape.as_typed_shape() {
+            T::Compound(s) => s.shapes().iter().all(|(_, part)| Self::takes(&**part)),
+            T::TriMesh(_)
+            | T::HeightField(_)
+            | T::Polyline(_)
+            | T::Segment(_)
+            | T::Triangle(_)
+            | T::RoundTriangle(_)
+            | T::Custom(_) => false,
+            _ => true,
+        }
+    }
+
+    /// Signed distance (negative inside) \[m\] and outward unit normal at `p` \[m\]. Exact, but for compounds and voxels
+    /// deep inside.
+    #[inline]
+    pub fn signed_distance(&self, p: DVec3) -> (f64, DVec3) {
+        let (d, n) = match &self.core {
+            Core::Point => primitive::direction(p, DVec3::Y),
+            Core::Segment(a, b) => primitive::segment(p, *a, *b),
+            Core::Cuboid(half) => primitive::cuboid(p, *half),
+            Core::Cylinder(half_height, radius) => primitive::cylinder(p, *half_height, *radius),
+            Core::Cone(half_height, radius) => primitive::cone(p, *half_height, *radius),
+            Core::HalfSpace(normal) => (p.dot(*normal), *normal),
+            Core::Hull(hull) => hull.signed_distance(p),
+            Core::Compound(compound) => compound.signed_distance(p),
+            Core::Voxels(grid) => grid.signed_distance(p),
+        };
+        (d - self.radius, n)
+    }
+
+    /// How deep `p` lies below the supporting plane with outward unit normal `n` \[m\]; `None` where there is no such plane:
+    /// compounds, voxels, and a half-space in any direction but its own.
+    pub fn depth_along(&self, p: DVec3, n: DVec3) -> Option<f64> {
+        if let Core::HalfSpace(normal) = self.core {
+            return (normal.dot(n) > 1.0 - 1e-9).then(|| -p.dot(normal));
+        }
+        Some((self.support(n)? - p).dot(n))
+    }
+
+    /// The point farthest in a direction, which need not be a unit vector \[m\]; `None` for compounds, voxels and half-spaces.
+    pub fn support(&self, direction: DVec3) -> Option<DVec3> {
+        let sign = primitive::signs(direction);
+        let rim = |radius: f64| primitive::radial(direction).1 * radius;
+        let core = match &self.core {
+            Core::Point => DVec3::ZERO,
+            Core::Segment(a, b) if (*b - *a).dot(direction) > 0.0 => *b,
+            Core::Segment(a, _) => *a,
+            Core::Cuboid(half) => *half * sign,
+            Core::Cylinder(half_height, radius) => rim(*radius) + DVec3::Y * (half_height * sign.y),
+            Core::Cone(half_height, radius) => {
+                let (apex, base) = (
+                    DVec3::Y * *half_height,
+                    rim(*radius) - DVec3::Y * *half_height,
+                );
+                if (base - apex).dot(direction) > 0.0 {
+                    base
+                } else {
+                    apex
+                }
+            }
+            Core::Hull(hull) => hull.support(direction),
+            Core::HalfSpace(_) | Core::Compound(_) | Core::Voxels(_) => return None,
+        };
+        Some(core + primitive::direction(direction, DVec3::Y).1 * self.radius)
+    }
+
+    /// Lower and upper corner of its box \[m\]; infinite for a half-space.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        match &self.core {
+            Core::Compound(compound) => compound.bounds(),
+            Core::Voxels(grid) => grid.bounds(),
+            _ => {
+                let far = |axis: DVec3| self.support(axis).map_or(f64::INFINITY, |p| p.dot(axis));
+                (
+                    -DVec3::new(far(DVec3::NEG_X), far(DVec3::NEG_Y), far(DVec3::NEG_Z)),
+                    DVec3::new(far(DVec3::X), far(DVec3::Y), far(DVec3::Z)),
+                )
+            }
+        }
+    }
+
+    /// Smallest extent \[m\]: 0.002 for a 2 mm plate, the smallest over the parts of a compound, a cell for voxels,
+    /// infinite for a half-space.
+    pub fn width(&self) -> f64 {
+        let core = match &self.core {
+            Core::Point | Core::Segment(..) => 0.0,
+            Core::Cuboid(half) => 2.0 * half.min_element(),
+            Core::Cylinder(half_height, radius) => 2.0 * half_height.min(*radius),
+            Core::Cone(half_height, radius) => {
+                // Upright, or lying on its mantle.
+                let height = 2.0 * half_height;
+                let slant = height.hypot(*radius).max(f64::MIN_POSITIVE);
+                height.min(2.0 * radius * height / slant)
+            }
+            Core::HalfSpace(_) => f64::INFINITY,
+            Core::Hull(hull) => hull.width(),
+            Core::Compound(compound) => compound.width(),
+            Core::Voxels(grid) => grid.cell().min_element(),
+        };
+        core + 2.0 * self.radius
+    }
+
+    /// Smallest radius of curvature of its curved faces \[m\], infinite where all are flat: a chord of length l dips l²/8R
+    /// into a surface of radius R. Sharp edges are no curved faces; a cone counts with its mantle at half height.
+    pub fn smallest_radius(&self) -> f64 {
+        let core = match &self.core {
+            Core::Cylinder(_, radius) => *radius,
+            Core::Cone(half_height, radius) => {
+                let height = (2.0 * half_height).max(f64::MIN_POSITIVE);
+                0.5 * radius * height.hypot(*radius) / height
+            }
+            Core::Compound(compound) => return compound.smallest_radius(),
+            _ => f64::INFINITY,
+        };
+        // The edges of a grown core have the radius it was grown by.
+        if self.radius > 0.0 { self.radius } else { core }
+    }
+
+    /// Radius of its roundest edges \[m\]: what the core was grown by, 0 for sharp ones.
+    pub fn edge_radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// Itself, or the parts of a compound with their positions \[m\] and rotations in its frame. Voxels have none: their
+    /// cells are too many and act together.
+    pub fn for_each_convex(&self, f: &mut dyn FnMut(DVec3, DQuat, &Self)) {
+        match &self.core {
+            Core::Compound(compound) => compound.for_each_convex(f),
+            Core::Voxels(_) => {}
+            _ => f(DVec3::ZERO, DQuat::IDENTITY, self),
+        }
+    }
+}
+
+impl Core {
+    fn cuboid(half: rapier3d::math::Vector) -> Self {
+        Self::Cuboid(wide(half).max(DVec3::ZERO))
+    }
+
+    fn cylinder(half_height: f32, radius: f32) -> Self {
+        Self::Cylinder(f64::from(half_height).max(0.0), f64::from(radius).max(0.0))
+    }
+
+    fn cone(half_height: f32, radius: f32) -> Self {
+        Self::Cone(f64::from(half_height).max(0.0), f64::from(radius).max(0.0))
+    }
+
+    /// A hull without any extent is a point, one with a single extent a segment.
+    fn hull(points: &[rapier3d::math::Vector]) -> Option<Self> {
+        let points: Vec<DVec3> = points.iter().map(|&p| wide(p)).collect();
+        Some(match quickhull::outline(&points)? {
+            Outline::Segment(a, b) => Self::Segment(a, b),
+            Outline::Faces(faces) => Self::Hull(Arc::new(Hull::new(&points, &faces))),
+        })
+    }
+}

@@ -1,0 +1,107 @@
+//! An edge against an edge: where they cross, how deep, and which way is out.
+//!
+//! Only edges that stand out count, and only where both are crossed inside and the normal is one that both can have: on
+//! flat and hollow parts the nodes meet faces, and at the ends of edges nodes meet edges.
+
+use super::closest::between_segments;
+use super::outline::NONE;
+use super::posed::Posed;
+use crate::math::DVec3;
+
+/// Edges that bend by less than this (1.5°) are flat \[rad\].
+const FLAT: f64 = 0.026;
+
+/// How far a normal may lean over a face beside its edge, as a sine.
+const LEAN: f64 = 0.1;
+
+/// How deep, per edge, two edges of solids can be in each other.
+const DEEPEST: f64 = 0.25;
+
+/// Two edges that cross.
+#[derive(Clone, Copy, Debug)]
+pub struct Crossing {
+    /// How far along each.
+    pub along: [f64; 2],
+    /// From the second to the first.
+    pub normal: DVec3,
+    /// Distance along it, negative when they have passed each other \[m\].
+    pub gap: f64,
+}
+
+/// The directions from an edge into its faces, square to it; zero for none.
+pub fn flanks(body: &Posed, edge: u32) -> [DVec3; 2] {
+    let e = &body.outline.edges[edge as usize];
+    let [a, b] = body.ends(edge);
+    let along = (b - a).normalize_or_zero();
+    e.faces.map(|face| {
+        if face == NONE {
+            return DVec3::ZERO;
+        }
+        let nodes = body.outline.elements[face as usize];
+        let third = nodes.iter().find(|n| !e.nodes.contains(n));
+        let into = third.map_or(DVec3::ZERO, |&n| body.at(n) - a);
+        (into - along * into.dot(along)).normalize_or_zero()
+    })
+}
+
+/// Whether an edge stands out: it has fewer than two faces, or they bend. A hollow edge of a solid does not.
+pub fn stands_out(body: &Posed, edge: u32, flanks: &[DVec3; 2]) -> bool {
+    if flanks.contains(&DVec3::ZERO) {
+        return true;
+    }
+    let inwards = flanks[0] + flanks[1];
+    if inwards.length_squared() < FLAT * FLAT {
+        return false;
+    }
+    !body.outline.closed || inwards.dot(body.edge_normal(edge)) < 0.0
+}
+
+/// Whether an edge can push along `outwards`: no face of it lies that way.
+fn can_push(flanks: &[DVec3; 2], outwards: DVec3) -> bool {
+    flanks.iter().all(|f| f.dot(outwards) <= LEAN)
+}
+
+/// Where edge `edges[0]` of the first body and `edges[1]` of the second cross, if they are within `farthest` m. `flank` is
+/// what [`flanks`] says of the first; `last` is the normal they had last.
+pub fn crossing(
+    bodies: [&Posed; 2],
+    edges: [u32; 2],
+    flank: &[DVec3; 2],
+    last: Option<DVec3>,
+    farthest: f64,
+) -> Option<Crossing> {
+    let (a, b) = (bodies[0].ends(edges[0]), bodies[1].ends(edges[1]));
+    let [s, t] = between_segments(a, b)?;
+    let way = a[0].lerp(a[1], s) - b[0].lerp(b[1], t);
+    if way.length_squared() > farthest * farthest {
+        return None;
+    }
+    let other = flanks(bodies[1], edges[1]);
+    if !stands_out(bodies[1], edges[1], &other) {
+        return None;
+    }
+    let across = (a[1] - a[0]).cross(b[1] - b[0]).normalize();
+    let out_of = |k: usize| {
+        if bodies[k].outline.closed {
+            bodies[k].edge_normal(edges[k])
+        } else {
+            DVec3::ZERO
+        }
+    };
+    let out = out_of(1) - out_of(0);
+    let side = if out != DVec3::ZERO {
+        across.dot(out)
+    } else {
+        across.dot(last.unwrap_or(way))
+    };
+    let normal = if side < 0.0 { -across } else { across };
+    let gap = way.dot(normal);
+    let shortest = a[0].distance(a[1]).min(b[0].distance(b[1]));
+    let possible =
+        gap > -DEEPEST * shortest && can_push(&other, normal) && can_push(flank, -normal);
+    possible.then_some(Crossing {
+        along: [s, t],
+        normal,
+        gap,
+    })
+}

@@ -1,0 +1,88 @@
+//! How two surfaces treat each other.
+
+use super::outline::Outline;
+use crate::contact::target::Surface;
+use rapier3d::dynamics::CoefficientCombineRule;
+
+/// What two bodies agree upon.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Manners {
+    /// Combined μ.
+    pub friction: f64,
+    /// Distance they keep: half of both thicknesses \[m\].
+    pub distance: f64,
+    /// Stiffness of their contacts \[N/m\] per point, if they give.
+    pub stiffness: Option<f64>,
+    /// What each takes of an impulse: 1, or 0 if it dominates the other.
+    pub shares: [f64; 2],
+}
+
+/// Whether two surfaces meet at all.
+pub fn admit(a: &Surface, b: &Surface) -> bool {
+    a.collision_groups.test(b.collision_groups) && a.solver_groups.test(b.solver_groups)
+}
+
+impl Manners {
+    /// Of the surfaces of two bodies.
+    pub fn new(surfaces: [&Surface; 2], outlines: [&Outline; 2]) -> Self {
+        let [a, b] = surfaces;
+        let friction = CoefficientCombineRule::combine(
+            a.friction,
+            b.friction,
+            a.friction_combine_rule,
+            b.friction_combine_rule,
+        );
+        let thickness = outlines[0].thickness(a.thickness) + outlines[1].thickness(b.thickness);
+        Self {
+            friction: f64::from(friction).max(0.0),
+            distance: 0.5 * thickness,
+            // Springs in series.
+            stiffness: match (a.stiffness, b.stiffness) {
+                (Some(a), Some(b)) => Some(1.0 / (1.0 / f64::from(a) + 1.0 / f64::from(b))),
+                (a, b) => a.or(b).map(f64::from),
+            },
+            shares: [
+                f64::from(a.dominance_group <= b.dominance_group),
+                f64::from(b.dominance_group <= a.dominance_group),
+            ],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rapier3d::geometry::{Group, InteractionGroups, InteractionTestMode};
+
+    #[test]
+    fn surfaces_agree() {
+        let a = Surface {
+            friction: 0.2,
+            thickness: 0.01,
+            stiffness: Some(100.0),
+            dominance_group: 1,
+            ..Surface::default()
+        };
+        let b = Surface {
+            friction: 0.6,
+            stiffness: Some(300.0),
+            ..Surface::default()
+        };
+        let outline = Outline::default();
+        let m = Manners::new([&a, &b], [&outline, &outline]);
+        assert!((m.friction - 0.4).abs() < 1e-6);
+        assert!((m.stiffness.unwrap() - 75.0).abs() < 1e-9);
+        assert!((m.distance - 0.005).abs() < 1e-9);
+        assert_eq!(m.shares, [0.0, 1.0]);
+        assert!(admit(&a, &b));
+        let apart = Surface {
+            collision_groups: InteractionGroups::new(
+                Group::GROUP_1,
+                Group::GROUP_2,
+                InteractionTestMode::And,
+            ),
+            ..Surface::default()
+        };
+        assert!(!admit(&apart, &apart));
+    }
+}

@@ -1,0 +1,85 @@
+//! Encounters: contact of two deformables.
+//!
+//! Nodes of each against faces of the other, and edges against edges. An encounter keeps lists of what is near, in order,
+//! under a motion budget as [`super::candidates`] does: they outlive substeps and steps, so that things at rest on each
+//! other look at nothing else. It also keeps what touched: sides, and where friction took hold.
+//!
+//! Bodies must be found to be near each other first; an encounter of a body with itself would differ only in leaving out
+//! what hangs together.
+
+pub mod closest;
+pub mod edge;
+pub mod manners;
+pub mod node;
+pub mod outline;
+pub mod posed;
+pub mod rows;
+pub mod search;
+pub mod touch;
+
+use crate::solve::rows::Rows;
+use manners::Manners;
+use touch::Touches;
+
+/// Two deformables that may touch.
+#[derive(Clone, Debug)]
+pub struct Encounter {
+    /// Indices of the bodies within their group, in ascending order.
+    pub members: [u32; 2],
+    /// Which pair of deformables this is in the group, seen from the first; the next one is the same seen from the second.
+    pub pair: u32,
+    /// How they treat each other.
+    pub manners: Manners,
+    /// Nodes of each near elements of the other, sorted.
+    nodes: [Vec<(u32, u32)>; 2],
+    /// Edges of the first near edges of the second, sorted.
+    edges: Vec<(u32, u32)>,
+    /// How far things may still move before the lists are stale \[m\].
+    budget: f64,
+    node_touches: [Touches; 2],
+    edge_touches: Touches,
+    /// How often the nodes of each had been moved from outside when the lists were put by.
+    edits: [u64; 2],
+}
+
+impl Encounter {
+    /// Lists to be filled at first use.
+    pub fn new(members: [u32; 2], pair: u32, manners: Manners) -> Self {
+        Self {
+            members,
+            pair,
+            manners,
+            nodes: Default::default(),
+            edges: Vec::new(),
+            budget: -1.0,
+            node_touches: Default::default(),
+            edge_touches: Touches::default(),
+            edits: [0; 2],
+        }
+    }
+
+    /// Goes on in this step. After nodes were moved from outside, nothing is remembered.
+    pub fn resume(&mut self, members: [u32; 2], pair: u32, manners: Manners, edits: [u64; 2]) {
+        if self.edits != edits {
+            self.node_touches.iter_mut().for_each(Touches::clear);
+            self.edge_touches.clear();
+        }
+        if self.edits != edits || self.manners.distance != manners.distance {
+            self.budget = -1.0;
+        }
+        (self.members, self.pair, self.manners) = (members, pair, manners);
+    }
+
+    /// Puts the lists by for the next step.
+    pub fn pause(&mut self, edits: [u64; 2]) {
+        self.edits = edits;
+    }
+
+    /// What touches, sticks and slides, after the rows have been solved.
+    pub fn remember(&mut self, rows: &Rows, touching: f64) {
+        let [a, b] = &mut self.node_touches;
+        for touches in [a, b, &mut self.edge_touches] {
+            touches.remember(rows, touching);
+        }
+    }
+}

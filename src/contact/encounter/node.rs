@@ -1,0 +1,223 @@
+//! A node against the elements near it: which of them it touches, how deep, and which way is out.
+//!
+//! The nearest element gives a row, and a second one if it looks another way (the node lies in a corner or between two
+//! folds). Sides are remembered by the normal of the last row: a node that has been pressed into a solid leaves it through
+//! the face it came by, not through the one that happens to be nearest, and one pressed through a sheet is brought back.
+
+use super::closest::Feature;
+use super::posed::{Posed, Way};
+use super::touch::Touch;
+use crate::math::DVec3;
+
+/// Two solids touch only where their surfaces look at each other: the cosine of their normals is less than this.
+const FACING: f64 = -0.1;
+
+/// How far beside a rim a node still counts as lying on it, per distance that counts as touching.
+const RIM: f64 = 100.0;
+
+/// A point of the other body that a node can touch.
+#[derive(Clone, Copy, Debug)]
+pub struct Found {
+    /// The element.
+    pub element: u32,
+    /// Weights of its corners.
+    pub weights: [f64; 3],
+    /// From the other body to the side of the node.
+    pub normal: DVec3,
+    /// Distance along it, negative inside \[m\].
+    pub gap: f64,
+}
+
+impl Found {
+    fn new(way: &Way, normal: DVec3, gap: f64) -> Self {
+        Self {
+            element: way.element,
+            weights: way.nearest.weights,
+            normal,
+            gap,
+        }
+    }
+}
+
+/// A node and what is known of it.
+pub struct Query<'a> {
+    /// The other body.
+    pub other: Posed<'a>,
+    /// Where the node is \[m\].
+    pub x: DVec3,
+    /// Pairs of the node and elements near it.
+    pub near: &'a [(u32, u32)],
+    /// What it touched in the last substep.
+    pub known: &'a [Touch],
+    /// −1 for nodes of the second body: touches keep normals from the second body to the first.
+    pub sign: f64,
+    /// The outward normal of the node's own body there, or zero.
+    pub own_normal: &'a dyn Fn() -> DVec3,
+    /// No row for what is farther off than this \[m\].
+    pub farthest: f64,
+    /// Distance that counts as touching \[m\].
+    pub touching: f64,
+}
+
+impl Query<'_> {
+    /// What the node can touch.
+    pub fn find(&self) -> [Option<Found>; 2] {
+        let mut best: Option<Way> = None;
+        let mut faces = 0;
+        for &(_, element) in self.near {
+            if self.other.outline.is_gone(element, self.other.state) {
+                continue;
+            }
+            let way = self.other.nearest(element, self.x);
+            faces += u32::from(way.nearest.feature == Feature::Face);
+            if best.is_none_or(|b| way.squared < b.squared) {
+                best = Some(way);
+            }
+        }
+        let Some(best) = best else {
+            return [None; 2];
+        };
+        if !self.other.outline.closed && best.squared > self.farthest * self.farthest {
+            return [None; 2];
+        }
+        let seen = self.see(&best).filter(|f| f.gap <= self.farthest);
+        let Some(first) = seen else {
+            return [None; 2];
+        };
+        let others = faces > u32::from(best.nearest.feature == Feature::Face);
+        let second = others.then(|| self.second(&first)).flatten();
+        [Some(first), second]
+    }
+
+    /// The last normal, towards the node, of a touch with this element or one beside it.
+    fn last(&self, element: u32) -> Option<DVec3> {
+        let known = self.known.iter();
+        known
+            .filter(|t| self.other.outline.are_neighbours(t.other, element))
+            .map(|t| t.normal * self.sign)
+            .next()
+    }
+
+    fn see(&self, way: &Way) -> Option<Found> {
+        if self.other.outline.closed {
+            self.see_solid(way)
+        } else {
+            Some(self.see_sheet(way))
+        }
+    }
+
+    fn see_solid(&self, way: &Way) -> Option<Found> {
+        let found = self.outside_of(way);
+        let own = (self.own_normal)().normalize_or_zero();
+        if found.normal.dot(own) > FACING {
+            // The surfaces do not look at each other: a node under the very rim of a solid is nearest to its side, and
+            // would be caught by it, or be let down beside it.
+            let back = self.way_back(-own)?;
+            let slight = (self.x - self.other.point(back.element, back.weights)).length();
+            return (found.gap < 0.0 || slight < RIM * self.touching).then_some(back);
+        }
+        if found.gap >= 0.0 {
+            return Some(found);
+        }
+        match self.last(way.element) {
+            Some(last) if found.normal.dot(last) < 0.5 => self.way_back(last).or(Some(found)),
+            _ => Some(found),
+        }
+    }
+
+    /// The nearest point of a solid, the side told by the normals around it.
+    fn outside_of(&self, way: &Way) -> Found {
+        let normal = self.other.normal_at(way.element, way.nearest.feature);
+        if way.nearest.feature == Feature::Face {
+            return Found::new(way, normal, way.way.dot(normal));
+        }
+        let length = way.squared.sqrt();
+        if length < self.touching {
+            // On an edge or a corner: the way is noise, and one of the faces is what the node's own surface lies on.
+            let against = (self.own_normal)();
+            let normal = if against == DVec3::ZERO {
+                normal.normalize_or_zero()
+            } else {
+                self.other.facing(way.element, way.nearest.feature, against)
+            };
+            return Found::new(way, normal, way.way.dot(normal));
+        }
+        let side = if way.way.dot(normal) < 0.0 { -1.0 } else { 1.0 };
+        Found::new(way, way.way * (side / length), side * length)
+    }
+
+    /// For a node inside a solid: the nearest face that looks the way it came.
+    fn way_back(&self, last: DVec3) -> Option<Found> {
+        let mut best: Option<(f64, Found)> = None;
+        for &(_, element) in self.near {
+            let normal = self.other.face_normal(element);
+            if normal.dot(last) < 0.5 {
+                continue;
+            }
+            let way = self.other.nearest(element, self.x);
+            let gap = way.way.dot(normal);
+            if gap <= 0.0 && best.as_ref().is_none_or(|b| way.squared < b.0) {
+                best = Some((way.squared, Found::new(&way, normal, gap)));
+            }
+        }
+        best.map(|b| b.1)
+    }
+
+    /// The nearest point of something with two sides.
+    fn see_sheet(&self, way: &Way) -> Found {
+        let last = self.last(way.element);
+        if way.nearest.feature == Feature::Face {
+            let normal = self.other.face_normal(way.element);
+            let side = last.map_or(way.way.dot(normal), |last| last.dot(normal));
+            let normal = if side < 0.0 { -normal } else { normal };
+            return Found::new(way, normal, way.way.dot(normal));
+        }
+        let length = way.squared.sqrt();
+        if length < 1e-3 * self.touching {
+            let normal = last.unwrap_or_else(|| {
+                let along = self.other.normal_at(way.element, way.nearest.feature);
+                along.try_normalize().unwrap_or(DVec3::Y)
+            });
+            return Found::new(way, normal, 0.0);
+        }
+        let normal = way.way / length;
+        // Well past the side it was on; what goes round a border turns by less.
+        if last.is_some_and(|last| last.dot(normal) < -0.5) {
+            Found::new(way, -normal, -length)
+        } else {
+            Found::new(way, normal, length)
+        }
+    }
+
+    /// The nearest face, hit inside, that looks another way than the first.
+    fn second(&self, first: &Found) -> Option<Found> {
+        let mut best: Option<(f64, Found)> = None;
+        for &(_, element) in self.near {
+            if element as usize >= self.other.outline.faces || element == first.element {
+                continue;
+            }
+            let way = self.other.nearest(element, self.x);
+            let worse = best.as_ref().is_some_and(|b| way.squared >= b.0);
+            if way.nearest.feature != Feature::Face || worse {
+                continue;
+            }
+            let found = if self.other.outline.closed {
+                self.outside_of(&way)
+            } else {
+                self.see_sheet(&way)
+            };
+            // Behind a face that it never touched, a node is merely on the far side of the solid.
+            let known = || {
+                let last = self.last(element);
+                last.is_some_and(|last| last.dot(found.normal) > 0.7)
+            };
+            if found.gap <= self.farthest
+                && found.normal.dot(first.normal) < 0.7
+                && (found.gap >= 0.0 || known())
+            {
+                best = Some((way.squared, found));
+            }
+        }
+        best.map(|b| b.1)
+    }
+}

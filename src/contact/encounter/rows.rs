@@ -1,0 +1,239 @@
+//! The rows of an encounter.
+
+use super::Encounter;
+use super::edge;
+use super::node::{Found, Query};
+use super::posed::Posed;
+use super::touch::{Touch, Touches};
+use crate::contact::site::{Reach, slot};
+use crate::law::row::softness;
+use crate::math::DVec3;
+use crate::solve::rows::{Row, Rows, Term};
+
+/// The two bodies of an encounter in a substep.
+pub struct Bodies<'a> {
+    /// Where they are.
+    pub posed: [Posed<'a>; 2],
+    /// Maps of their nodes to row nodes (`u32::MAX`: none yet).
+    pub slots: [&'a mut [u32]; 2],
+}
+
+/// A row to be: a node of which body and its weight, the touch and where it stands.
+struct Draft {
+    terms: [(usize, u32, f64); 4],
+    touch: Touch,
+    depth: f64,
+    drift: DVec3,
+}
+
+impl Draft {
+    /// Relative velocity of the points \[m/s\].
+    fn velocity(&self, bodies: &Bodies) -> DVec3 {
+        let velocity = |&(body, node, weight): &(usize, u32, f64)| {
+            bodies.posed[body].state.velocity(node as usize) * weight
+        };
+        self.terms.iter().map(velocity).sum()
+    }
+}
+
+impl Encounter {
+    /// Adds a row for everything that can touch within the substep.
+    pub fn add_rows(&mut self, bodies: &mut Bodies, rows: &mut Rows, reach: Reach) {
+        for own in 0..2 {
+            let mut touches = std::mem::take(&mut self.node_touches[own]);
+            touches.begin(rows);
+            self.add_node_rows(own, &mut touches, bodies, rows, reach);
+            self.node_touches[own] = touches;
+        }
+        let mut touches = std::mem::take(&mut self.edge_touches);
+        touches.begin(rows);
+        self.add_edge_rows(&mut touches, bodies, rows, reach);
+        self.edge_touches = touches;
+    }
+
+    /// Rows of the nodes of body `own` on the elements of the other.
+    fn add_node_rows(
+        &self,
+        own: usize,
+        touches: &mut Touches,
+        bodies: &mut Bodies,
+        rows: &mut Rows,
+        reach: Reach,
+    ) {
+        let (mut at, mut from) = (0, 0);
+        let list = &self.nodes[own];
+        while let Some(&(node, _)) = list.get(at) {
+            let start = at;
+            at += list[at..].iter().take_while(|p| p.0 == node).count();
+            let (mine, other) = (bodies.posed[own], bodies.posed[1 - own]);
+            let query = Query {
+                other,
+                x: mine.at(node),
+                near: &list[start..at],
+                known: touches.of(node, &mut from),
+                sign: if own == 0 { 1.0 } else { -1.0 },
+                own_normal: &|| mine.node_normal(node),
+                farthest: self.manners.distance + reach.farthest,
+                touching: reach.touching,
+            };
+            let found = query.find();
+            let drafts = found.map(|f| f.map(|f| self.draft_node(own, node, &f, &query, &reach)));
+            for draft in drafts.into_iter().flatten() {
+                self.push(draft, touches, bodies, rows, reach);
+            }
+        }
+    }
+
+    fn draft_node(
+        &self,
+        own: usize,
+        node: u32,
+        found: &Found,
+        query: &Query,
+        reach: &Reach,
+    ) -> Draft {
+        let other = 1 - own;
+        let normal = found.normal * query.sign;
+        let depth = self.manners.distance - found.gap;
+        let last = query.known.iter().find(|t| t.normal.dot(normal) > 0.7);
+        let held = last.and_then(|t| t.anchor);
+        let drift = held.map_or(DVec3::ZERO, |(e, w)| query.x - query.other.point(e, w));
+        let here = (depth >= -reach.touching).then_some((found.element, found.weights));
+        let corners = query.other.outline.elements[found.element as usize];
+        let corner = |k: usize| (other, corners[k], -query.sign * found.weights[k]);
+        Draft {
+            terms: [(own, node, query.sign), corner(0), corner(1), corner(2)],
+            touch: Touch {
+                own: node,
+                other: found.element,
+                normal,
+                anchor: held.or(here),
+                carried: last.map_or(0.0, |t| t.carried),
+            },
+            depth,
+            drift: drift * query.sign,
+        }
+    }
+
+    fn add_edge_rows(
+        &self,
+        touches: &mut Touches,
+        bodies: &mut Bodies,
+        rows: &mut Rows,
+        reach: Reach,
+    ) {
+        let farthest = self.manners.distance + reach.farthest;
+        let (mut at, mut from) = (0, 0);
+        while let Some(&(edge, _)) = self.edges.get(at) {
+            let start = at;
+            at += self.edges[at..].iter().take_while(|p| p.0 == edge).count();
+            let [a, b] = bodies.posed;
+            let flanks = edge::flanks(&a, edge);
+            if !edge::stands_out(&a, edge, &flanks) || a.outline.is_broken(edge, a.state) {
+                continue;
+            }
+            for &(_, other) in &self.edges[start..at] {
+                if b.outline.is_broken(other, b.state) {
+                    continue;
+                }
+                let known = touches.of(edge, &mut from).iter();
+                let last = known.copied().find(|t| t.other == other);
+                let normal = last.map(|t| t.normal);
+                let pair = [edge, other];
+                let found = edge::crossing([&a, &b], pair, &flanks, normal, farthest);
+                if let Some(found) = found {
+                    let draft = self.draft_edges(pair, &found, last, bodies, &reach);
+                    self.push(draft, touches, bodies, rows, reach);
+                }
+            }
+        }
+    }
+
+    fn draft_edges(
+        &self,
+        pair: [u32; 2],
+        found: &edge::Crossing,
+        last: Option<Touch>,
+        bodies: &Bodies,
+        reach: &Reach,
+    ) -> Draft {
+        let [a, b] = bodies.posed;
+        let [s, t] = found.along;
+        let depth = self.manners.distance - found.gap;
+        let held = last.and_then(|t| t.anchor);
+        let drift = held.map_or(DVec3::ZERO, |(_, [s, t, _])| {
+            let (a, b) = (a.ends(pair[0]), b.ends(pair[1]));
+            a[0].lerp(a[1], s) - b[0].lerp(b[1], t)
+        });
+        let here = (depth >= -reach.touching).then_some((pair[1], [s, t, 0.0]));
+        let [a0, a1] = a.outline.edges[pair[0] as usize].nodes;
+        let [b0, b1] = b.outline.edges[pair[1] as usize].nodes;
+        Draft {
+            terms: [(0, a0, 1.0 - s), (0, a1, s), (1, b0, t - 1.0), (1, b1, -t)],
+            touch: Touch {
+                own: pair[0],
+                other: pair[1],
+                normal: found.normal,
+                anchor: held.or(here),
+                carried: last.map_or(0.0, |t| t.carried),
+            },
+            depth,
+            drift,
+        }
+    }
+
+    /// Adds a row if it can matter in this substep. What has not arrived yet has no friction: over a distance it would be
+    /// a couple that turns both. The impulse of the arrival is carried over to the next substep, so that none is lost.
+    fn push(
+        &self,
+        draft: Draft,
+        touches: &mut Touches,
+        bodies: &mut Bodies,
+        rows: &mut Rows,
+        reach: Reach,
+    ) {
+        let Draft { touch, depth, .. } = draft;
+        let closing = draft.velocity(bodies).length();
+        if depth.is_nan() || depth < -reach.at(closing) {
+            return;
+        }
+        let used = draft.terms.into_iter().filter(|t| t.2 != 0.0);
+        let mut terms = [Term {
+            node: 0,
+            weight: 0.0,
+            share: 0.0,
+        }; 4];
+        let mut count = 0;
+        for (body, node, weight) in used {
+            let (state, slots) = (bodies.posed[body].state, &mut *bodies.slots[body]);
+            terms[count] = Term {
+                node: slot(self.members[body], node, state, slots, rows),
+                weight,
+                share: weight * self.manners.shares[body],
+            };
+            count += 1;
+        }
+        let terms = rows.add_terms(terms[..count].iter().copied());
+        let (here, normal) = (depth >= -reach.touching, touch.normal);
+        let stiffness = self.manners.stiffness;
+        rows.contacts.push(Row {
+            terms,
+            shadow: 0,
+            pair: self.pair,
+            between: true,
+            normal,
+            depth,
+            arm: DVec3::ZERO,
+            rigid_share: 0.0,
+            friction: if here { self.manners.friction } else { 0.0 },
+            softness: stiffness.map_or(0.0, |k| softness(k, 0.0, reach.h)),
+            drift: draft.drift - normal * draft.drift.dot(normal),
+            carried: if here { touch.carried } else { 0.0 },
+            normal_impulse: 0.0,
+            friction_impulse: DVec3::ZERO,
+            mass: 0.0,
+            turning: 0.0,
+        });
+        touches.push(touch);
+    }
+}

@@ -1,0 +1,120 @@
+//! The lists of an encounter: what is near what.
+
+use super::Encounter;
+use super::closest::segments_apart;
+use super::outline::{NONE, Outline};
+use super::posed::Posed;
+use crate::body::State;
+use crate::math::{DVec3, Real};
+
+/// The least margin of a list, per shortest edge: a body at rest makes one in thousands of substeps.
+const LEAST: f64 = 0.05;
+
+/// A body whose tree may be brought up to date.
+pub struct Searched<'a> {
+    /// Its state.
+    pub state: &'a State<Real>,
+    /// Its outline.
+    pub outline: &'a mut Outline,
+}
+
+impl Encounter {
+    /// Makes the lists anew if, after `moved` m since the last look, they might lack something that can get a row in the
+    /// coming substep, which is anything within `farthest` m of touching.
+    pub fn refresh(&mut self, bodies: [Searched; 2], moved: f64, farthest: f64) {
+        self.budget -= moved;
+        if self.budget >= farthest {
+            return;
+        }
+        let spacing = bodies[0].outline.spacing.min(bodies[1].outline.spacing);
+        let least = if spacing.is_finite() {
+            LEAST * spacing
+        } else {
+            0.0
+        };
+        // Fast things would list whole bodies.
+        let more = (3.0 * farthest + 100.0 * moved).max(least).min(spacing);
+        let margin = farthest + more.max(moved);
+        self.budget = margin;
+        let origin = bodies[0].state.origin;
+        let [a, b] = bodies.map(|Searched { state, outline }| {
+            outline.refit(state);
+            Posed::new(outline, state, origin)
+        });
+        let radius = margin + self.manners.distance;
+        list_nodes(&mut self.nodes[0], &a, &b, radius);
+        list_nodes(&mut self.nodes[1], &b, &a, radius);
+        list_edges(&mut self.edges, &a, &b, radius);
+    }
+}
+
+/// Nodes of `own` within `radius` m of elements of `other`.
+fn list_nodes(list: &mut Vec<(u32, u32)>, own: &Posed, other: &Posed, radius: f64) {
+    list.clear();
+    for &node in &own.outline.nodes {
+        let x = own.at(node);
+        if !other.may_hold(x, radius) {
+            continue;
+        }
+        let first = list.len();
+        collect(list, node, x, other, radius);
+        if list.len() == first && other.outline.closed {
+            collect_inside(list, node, x, other, radius);
+        }
+        list[first..].sort_unstable();
+    }
+}
+
+fn collect(list: &mut Vec<(u32, u32)>, node: u32, x: DVec3, other: &Posed, radius: f64) {
+    let local = x - other.shift;
+    other.outline.near(local, local, radius, |element| {
+        if !other.outline.is_gone(element, other.state)
+            && other.nearest(element, x).squared <= radius * radius
+        {
+            list.push((node, element));
+        }
+    });
+}
+
+/// A node that is nowhere near the surface of a solid may be deep inside: then it is listed with what is nearest, which
+/// is found by doubling the radius.
+fn collect_inside(list: &mut Vec<(u32, u32)>, node: u32, x: DVec3, other: &Posed, radius: f64) {
+    let first = list.len();
+    let most = 4.0 * other.outline.extent();
+    let mut wider = 2.0 * radius;
+    while list.len() == first && wider < most {
+        collect(list, node, x, other, wider);
+        wider *= 2.0;
+    }
+    let ways = list[first..].iter().map(|&(_, e)| other.nearest(e, x));
+    let nearest = ways.min_by(|a, b| a.squared.total_cmp(&b.squared));
+    let inside =
+        nearest.is_some_and(|w| w.way.dot(other.normal_at(w.element, w.nearest.feature)) < 0.0);
+    if !inside {
+        list.truncate(first);
+    }
+}
+
+/// Edges of `a` within `radius` m of edges of `b`.
+fn list_edges(list: &mut Vec<(u32, u32)>, a: &Posed, b: &Posed, radius: f64) {
+    list.clear();
+    for edge in 0..a.outline.edges.len() as u32 {
+        let ends = a.ends(edge);
+        let (lo, hi) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+        let overlap = b.may_hold(lo, radius + hi.distance(lo));
+        if !overlap || a.outline.is_broken(edge, a.state) {
+            continue;
+        }
+        let first = list.len();
+        b.outline
+            .near(lo - b.shift, hi - b.shift, radius, |element| {
+                for other in b.outline.edges_of[element as usize] {
+                    let owned = other != NONE && b.outline.owner[other as usize] == element;
+                    if owned && segments_apart(ends, b.ends(other)) <= radius {
+                        list.push((edge, other));
+                    }
+                }
+            });
+        list[first..].sort_unstable();
+    }
+}

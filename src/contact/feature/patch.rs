@@ -1,0 +1,167 @@
+//! A face of a deformable as a patch of surface: a flat triangle, or the bilinear patch between the corners of a quad.
+
+use crate::math::DVec3;
+
+/// Corners \[m\], in order round the face; a triangle has three.
+#[derive(Clone, Copy, Debug)]
+pub struct Patch {
+    corners: [DVec3; 4],
+    count: usize,
+}
+
+/// A point of a patch.
+#[derive(Clone, Copy, Debug)]
+pub struct Foot {
+    /// Weights of the corners.
+    pub weights: [f64; 4],
+    /// The point \[m\].
+    pub point: DVec3,
+    /// Unit normal there, outward.
+    pub normal: DVec3,
+}
+
+impl Patch {
+    /// From three or four corners.
+    pub fn new(corners: impl ExactSizeIterator<Item = DVec3>) -> Self {
+        let count = corners.len().min(4);
+        let mut patch = Self {
+            corners: [DVec3::ZERO; 4],
+            count,
+        };
+        for (place, corner) in patch.corners.iter_mut().zip(corners) {
+            *place = corner;
+        }
+        patch
+    }
+
+    /// Its corners \[m\].
+    pub fn corners(&self) -> &[DVec3] {
+        &self.corners[..self.count]
+    }
+
+    /// A ball around it: middle and radius \[m\].
+    pub fn ball(&self) -> (DVec3, f64) {
+        let middle = self.corners().iter().sum::<DVec3>() / self.count as f64;
+        let far = self.corners().iter().map(|c| c.distance_squared(middle));
+        (middle, far.fold(0.0, f64::max).sqrt())
+    }
+
+    /// Unit normal of its middle; `None` for a patch without area.
+    pub fn normal(&self) -> Option<DVec3> {
+        let [a, b, c, d] = self.corners;
+        let n = if self.count == 3 {
+            (b - a).cross(c - a)
+        } else {
+            (c - a).cross(d - b)
+        };
+        n.try_normalize()
+    }
+
+    /// Where a point comes down on it; `None` outside.
+    pub fn foot(&self, p: DVec3) -> Option<Foot> {
+        let n = self.normal()?;
+        if self.count == 3 {
+            self.on_triangle(p, n)
+        } else {
+            self.on_quad(p, n)
+        }
+    }
+
+    fn on_triangle(&self, p: DVec3, n: DVec3) -> Option<Foot> {
+        let [a, b, c, _] = self.corners;
+        let area = (b - a).cross(c - a).dot(n);
+        let u = (c - b).cross(p - b).dot(n) / area;
+        let v = (a - c).cross(p - c).dot(n) / area;
+        let weights = [u, v, 1.0 - u - v, 0.0];
+        self.inside(weights).then(|| Foot {
+            weights,
+            point: p - n * (p - a).dot(n),
+            normal: n,
+        })
+    }
+
+    /// Newton's method for x(u, v) = a(1−u)(1−v) + bu(1−v) + cuv + d(1−u)v seen along the normal. For a parallelogram it
+    /// ends in one step.
+    fn on_quad(&self, p: DVec3, n: DVec3) -> Option<Foot> {
+        let [a, b, c, d] = self.corners;
+        let (mut u, mut v) = (0.5, 0.5);
+        let mut foot = None;
+        for _ in 0..6 {
+            let along_u = (b - a) * (1.0 - v) + (c - d) * v;
+            let along_v = (d - a) * (1.0 - u) + (c - b) * u;
+            let weights = [(1.0 - u) * (1.0 - v), u * (1.0 - v), u * v, (1.0 - u) * v];
+            let point = a * weights[0] + b * weights[1] + c * weights[2] + d * weights[3];
+            let normal = along_u.cross(along_v);
+            let area = normal.dot(n);
+            foot = Some(Foot {
+                weights,
+                point,
+                normal: normal.try_normalize()?,
+            });
+            // Folded over.
+            if area <= 0.0 || area.is_nan() {
+                return None;
+            }
+            let off = p - point;
+            let (du, dv) = (
+                off.cross(along_v).dot(n) / area,
+                along_u.cross(off).dot(n) / area,
+            );
+            if du.abs().max(dv.abs()) < 1e-9 {
+                break;
+            }
+            (u, v) = (u + du, v + dv);
+        }
+        foot.filter(|foot| self.inside(foot.weights))
+    }
+
+    fn inside(&self, weights: [f64; 4]) -> bool {
+        weights.iter().all(|w| *w >= -1e-9)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn feet_are_where_the_weights_say() {
+        let corners = [
+            DVec3::new(0.0, 0.1, 0.0),
+            DVec3::new(0.2, 0.0, 1.2),
+            DVec3::new(1.1, 0.2, 0.9),
+            DVec3::new(1.0, 0.0, 0.1),
+        ];
+        for count in [3, 4] {
+            let patch = Patch::new(corners[..count].iter().copied());
+            let normal = patch.normal().unwrap();
+            let mut inside = 0;
+            for i in 0..400 {
+                let p = DVec3::new(
+                    f64::from(i % 20) * 0.08 - 0.2,
+                    0.3,
+                    f64::from(i / 20) * 0.08 - 0.2,
+                );
+                let Some(foot) = patch.foot(p) else { continue };
+                inside += 1;
+                let weighed: DVec3 = corners.iter().zip(foot.weights).map(|(c, w)| *c * w).sum();
+                assert!((weighed - foot.point).length() < 1e-9);
+                // Straight below the point, along the normal of the middle.
+                assert!((p - foot.point).cross(normal).length() < 1e-7, "{p}");
+                assert!(foot.normal.dot(normal) > 0.9);
+            }
+            assert!(inside > 60, "{inside}");
+        }
+    }
+
+    #[test]
+    fn patches_without_area_or_numbers_have_no_feet() {
+        let line = [DVec3::ZERO, DVec3::X, DVec3::X * 2.0, DVec3::X * 3.0];
+        for count in [3, 4] {
+            let patch = Patch::new(line[..count].iter().copied());
+            assert!(patch.foot(DVec3::Y).is_none());
+            let patch = Patch::new([DVec3::NAN; 4][..count].iter().copied());
+            assert!(patch.foot(DVec3::Y).is_none());
+        }
+    }
+}

@@ -1,0 +1,119 @@
+//! Nodes near one target, and their rows.
+
+use super::form::Form;
+use super::site::{Site, slot};
+use super::solid_nodes::SolidNodes;
+use super::soup_nodes::SoupNodes;
+use super::target::{Frame, Target};
+use crate::body::state::State;
+use crate::math::Real;
+use crate::solve::rows::{Row, Rows, Term};
+
+/// The nodes of one body near one target, and what is remembered of those that touch it.
+#[derive(Clone, Debug)]
+pub enum Nodes {
+    /// Of a target with an inside.
+    Solid(SolidNodes),
+    /// Of a surface.
+    Soup(Box<SoupNodes>),
+}
+
+impl Default for Nodes {
+    fn default() -> Self {
+        Self::Solid(SolidNodes::default())
+    }
+}
+
+impl Nodes {
+    /// Uses up the budget by what has moved \[m\] besides the substeps.
+    pub fn spend(&mut self, moved: f64) {
+        match self {
+            Self::Solid(nodes) => nodes.spend(moved),
+            Self::Soup(nodes) => nodes.spend(moved),
+        }
+    }
+
+    /// Forgets which nodes touch, and on which side.
+    pub fn forget(&mut self) {
+        match self {
+            Self::Solid(nodes) => nodes.forget(),
+            Self::Soup(nodes) => nodes.forget(),
+        }
+    }
+
+    /// Makes the list anew if, after `moved` m since the last look, it might lack a node that can get a row in the coming
+    /// substep, which is any within `farthest` m. A list should last for many substeps: the faster things move, the wider
+    /// it is.
+    pub fn refresh(
+        &mut self,
+        target: &Target,
+        state: &State<Real>,
+        frame: &Frame,
+        moved: f64,
+        farthest: f64,
+    ) {
+        // A list begins empty, and begins again when the collider gets a shape of the other kind.
+        match (&target.form, &*self) {
+            (Form::Solid(_), Self::Soup(_)) => *self = Self::Solid(SolidNodes::default()),
+            (Form::Soup(_), Self::Solid(_)) => *self = Self::Soup(Box::default()),
+            _ => {}
+        }
+        match (&target.form, self) {
+            (Form::Solid(solid), Self::Solid(nodes)) => {
+                nodes.refresh((solid, target.skin), state, frame, moved, farthest);
+            }
+            (Form::Soup(soup), Self::Soup(nodes)) => {
+                nodes.refresh((soup, target.skin), state, frame, moved, farthest);
+            }
+            _ => {}
+        }
+    }
+
+    /// Rows for every node that can touch within the substep.
+    pub fn add_rows(&mut self, target: &Target, pair: u32, frame: &Frame, site: &mut Site) {
+        match (&target.form, self) {
+            (Form::Solid(solid), Self::Solid(nodes)) => {
+                nodes.add_rows(solid, (target, pair), frame, site);
+            }
+            (Form::Soup(_), Self::Soup(nodes)) => nodes.add_rows(target, pair, frame, site),
+            _ => {}
+        }
+    }
+
+    /// Remembers which nodes touch, after the rows have been solved.
+    pub fn remember(&mut self, rows: &Rows, touching: f64) {
+        match self {
+            Self::Solid(nodes) => nodes.remember(rows, touching),
+            Self::Soup(nodes) => nodes.remember(rows, touching),
+        }
+    }
+
+    /// Whether any node lies within `distance` m of the target.
+    pub fn any_within(
+        &self,
+        target: &Target,
+        state: &State<Real>,
+        frame: &Frame,
+        distance: f64,
+    ) -> bool {
+        let distance = target.skin + distance;
+        match (&target.form, self) {
+            (Form::Solid(solid), Self::Solid(nodes)) => {
+                nodes.any_within(solid, state, frame, distance)
+            }
+            (Form::Soup(_), Self::Soup(nodes)) => nodes.any_within(state, frame, distance),
+            _ => false,
+        }
+    }
+}
+
+/// Adds the row of a node.
+pub fn add(i: u32, target: &Target, row: Row, site: &mut Site) {
+    let node = slot(site.side.body, i, site.side.state, site.slots, site.rows);
+    let terms = site.rows.add_terms([Term {
+        node,
+        weight: 1.0,
+        share: target.node_share,
+    }]);
+    site.rows.contacts.push(Row { terms, ..row });
+}

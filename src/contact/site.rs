@@ -1,0 +1,70 @@
+//! Where rows come from and go: the body, the collider's shadow, what is near enough, and the rows of the group.
+
+use crate::body::state::State;
+use crate::body::topology::Topology;
+use crate::math::Real;
+use crate::solve::rows::{RowNode, Rows};
+use crate::solve::shadow::Shadow;
+
+/// How far a node may be from a surface and still get a row.
+#[derive(Clone, Copy, Debug)]
+pub struct Reach {
+    /// Substep \[s\].
+    pub h: f64,
+    /// Distance that counts as touching \[m\].
+    pub touching: f64,
+    /// What the fastest node and the target can do in a substep \[m\].
+    pub farthest: f64,
+    /// What forces can add to that within a substep \[m\].
+    pub slack: f64,
+}
+
+impl Reach {
+    /// The distance from which a point that moves at `speed` m/s can touch within the substep \[m\].
+    pub fn at(&self, speed: f64) -> f64 {
+        self.touching + 2.0 * self.h * speed + self.slack
+    }
+}
+
+/// A body of the group in a substep, for contact.
+#[derive(Clone, Copy)]
+pub struct Side<'a> {
+    /// Index within the group.
+    pub body: u32,
+    /// Where its nodes are.
+    pub state: &'a State<Real>,
+    /// Its faces and edges.
+    pub topology: &'a Topology,
+}
+
+/// Where the rows of one body and one target come from, and where they go.
+pub struct Site<'a> {
+    /// The deformable.
+    pub side: Side<'a>,
+    /// The collider's body.
+    pub shadow: &'a Shadow,
+    /// Maps nodes to row nodes; `u32::MAX`: none yet.
+    pub slots: &'a mut [u32],
+    /// The rows of the group.
+    pub rows: &'a mut Rows,
+    /// What is near enough.
+    pub reach: Reach,
+}
+
+/// The row node of node `i`, made if it has none yet.
+pub fn slot(body: u32, i: u32, state: &State<Real>, slots: &mut [u32], rows: &mut Rows) -> u32 {
+    let slot = &mut slots[i as usize];
+    if *slot == u32::MAX {
+        *slot = rows.nodes.len() as u32;
+        let v = state.velocity(i as usize);
+        rows.nodes.push(RowNode {
+            body,
+            node: i,
+            inv_mass: state.particles[i as usize].inv_mass.into(),
+            v,
+            free: v,
+            before: v,
+        });
+    }
+    *slot
+}

@@ -1,0 +1,204 @@
+//! Nodes near a surface without thickness, and their rows.
+//!
+//! A node keeps the point where it was last known to be on its side for as long as it stays in the list, through new lists
+//! and rigid steps: that point, and not the facet that is nearest now, tells whether the node has been pushed through.
+
+use super::nodes::add;
+use super::site::Site;
+use super::soup::{self, Exit, NodeFacets, Soup};
+use super::target::{Frame, Target};
+use super::touches::{Hold, Touches, along};
+use crate::body::state::State;
+use crate::math::{DVec3, Real};
+use crate::solve::rows::{Row, Rows};
+
+/// The nodes of one body near one soup.
+#[derive(Clone, Debug)]
+pub struct SoupNodes {
+    facets: NodeFacets,
+    /// Where each node of the list was last on its side, in the collider's frame \[m\].
+    sides: Vec<Option<DVec3>>,
+    /// Nodes deep inside an oriented mesh, far from all facets, and their ways out.
+    deep: Vec<(u32, Exit)>,
+    /// How far things may still move before the lists are stale \[m\].
+    budget: f64,
+    touches: Touches,
+    /// The nodes of the list before, and their sides.
+    before: Vec<(u32, Option<DVec3>)>,
+    places: Vec<DVec3>,
+}
+
+impl Default for SoupNodes {
+    fn default() -> Self {
+        Self {
+            facets: NodeFacets::default(),
+            sides: Vec::new(),
+            deep: Vec::new(),
+            budget: -1.0,
+            touches: Touches::default(),
+            before: Vec::new(),
+            places: Vec::new(),
+        }
+    }
+}
+
+impl SoupNodes {
+    /// Uses up the budget by what has moved \[m\] besides the substeps.
+    pub fn spend(&mut self, moved: f64) {
+        self.budget -= moved;
+    }
+
+    /// Forgets which nodes touch, and their sides.
+    pub fn forget(&mut self) {
+        self.touches.forget();
+        self.sides.fill(None);
+    }
+
+    /// Makes the list anew when it might lack something within `farthest` m; see [`super::nodes::Nodes::refresh`]. Every
+    /// facet in the list is looked at in every substep, so it is kept narrower than that of a solid.
+    pub fn refresh(
+        &mut self,
+        (soup, skin): (&Soup, f64),
+        state: &State<Real>,
+        frame: &Frame,
+        moved: f64,
+        farthest: f64,
+    ) {
+        self.budget -= moved;
+        // Contacts are looked for within the reach and along the motion: thrice the motion and not twice.
+        let needed = 1.5 * farthest;
+        if self.budget >= needed {
+            return;
+        }
+        let margin = 2.0 * needed + 16.0 * moved;
+        self.budget = margin;
+        self.before.clear();
+        let known = self.facets.nodes().iter().zip(&self.sides);
+        self.before.extend(known.map(|(&i, &side)| (i, side)));
+        self.places.clear();
+        let all = 0..state.particles.len() as u32;
+        self.places
+            .extend(all.clone().map(|i| frame.to_local(state, i)));
+        let places = all.zip(self.places.iter().copied());
+        self.facets.gather(soup, places, skin + margin);
+        self.keep_sides();
+        self.find_deep(soup);
+    }
+
+    /// Takes the sides over into the new list.
+    fn keep_sides(&mut self) {
+        self.sides.clear();
+        let mut before = self.before.iter().peekable();
+        for &i in self.facets.nodes() {
+            while before.next_if(|(j, _)| *j < i).is_some() {}
+            let known = before.next_if(|(j, _)| *j == i);
+            self.sides.push(known.and_then(|(_, side)| *side));
+        }
+    }
+
+    /// Looks among the nodes that are not in the list for those inside.
+    fn find_deep(&mut self, soup: &Soup) {
+        self.deep.clear();
+        if !soup.oriented() {
+            return;
+        }
+        let mut near = self.facets.nodes().iter().peekable();
+        for (i, &place) in (0..).zip(&self.places) {
+            if near.next_if(|&&j| j == i).is_none()
+                && let Some(exit) = soup.inside(place)
+            {
+                self.deep.push((i, exit));
+            }
+        }
+    }
+
+    /// Up to three rows for every node that can touch within the substep.
+    pub fn add_rows(&mut self, target: &Target, pair: u32, frame: &Frame, site: &mut Site) {
+        self.touches.begin();
+        let mut found = soup::Touches::default();
+        let nodes = self.facets.nodes().iter();
+        for (index, (&i, side)) in nodes.zip(&mut self.sides).enumerate() {
+            let place = frame.to_local(site.side.state, i);
+            let arm = frame.axes * place + (frame.position - site.shadow.com);
+            let slip = site.side.state.velocity(i as usize) - site.shadow.velocity_at(arm);
+            soup::touches(
+                self.facets.near(index),
+                place,
+                frame.axes.transpose() * slip * site.reach.h,
+                *side,
+                target.skin,
+                site.reach.at(slip.length()),
+                &mut found,
+            );
+            *side = found.anchor;
+            for (k, touch) in (0..).zip(found.as_slice()) {
+                let mut row = Row {
+                    normal: frame.axes * touch.normal,
+                    depth: touch.depth,
+                    arm,
+                    ..target.row(Default::default(), pair, site.reach.h)
+                };
+                // One anchor of friction holds the node, whatever else it touches.
+                if k == 0 {
+                    let key = [i, 0, 0];
+                    let last = self.touches.last(key);
+                    let hold = last.and_then(|(_, hold)| hold).unwrap_or(Hold {
+                        weights: [1.0, 0.0, 0.0, 0.0],
+                        anchor: place,
+                        drift: DVec3::ZERO,
+                    });
+                    row.drift = frame.axes * along(place - hold.anchor, touch.normal);
+                    let index = site.rows.contacts.len();
+                    self.touches.found(key, index, touch.normal, hold);
+                }
+                add(i, target, row, site);
+            }
+        }
+        for &(i, exit) in &self.deep {
+            let place = frame.to_local(site.side.state, i);
+            let row = Row {
+                normal: frame.axes * exit.normal,
+                depth: target.skin + (exit.point - place).dot(exit.normal),
+                arm: frame.axes * place + (frame.position - site.shadow.com),
+                ..target.row(Default::default(), pair, site.reach.h)
+            };
+            add(i, target, row, site);
+        }
+    }
+
+    /// Remembers which nodes touch, after the rows have been solved.
+    pub fn remember(&mut self, rows: &Rows, touching: f64) {
+        self.touches.end(rows, touching);
+    }
+
+    /// Whether any node lies within `distance` m of the surface, or inside.
+    pub fn any_within(&self, state: &State<Real>, frame: &Frame, distance: f64) -> bool {
+        !self.deep.is_empty()
+            || self.facets.nodes().iter().enumerate().any(|(index, &i)| {
+                let near = self.facets.near(index);
+                near.nearest(frame.to_local(state, i))
+                    .is_some_and(|nearest| nearest.distance < near.radius + distance)
+            })
+    }
+}
+
+/// Whether any of the points, given with their velocities in the soup's frame, meets the soup faster than `threshold` m/s
+/// within `time` s, being `skin` m thick.
+pub fn is_hit(
+    soup: &Soup,
+    points: impl Iterator<Item = (DVec3, DVec3)>,
+    skin: f64,
+    time: f64,
+    threshold: f64,
+) -> bool {
+    let (mut facets, mut found) = (NodeFacets::default(), soup::Touches::default());
+    points
+        .filter(|(_, v)| v.length_squared() > threshold * threshold)
+        .any(|(p, v)| {
+            let way = v * time;
+            facets.gather(soup, std::iter::once((0, p)), skin + way.length());
+            soup::touches(facets.near(0), p, way, None, skin, 0.0, &mut found);
+            let touches = found.as_slice().iter();
+            touches.map(|t| -v.dot(t.normal)).any(|c| c > threshold)
+        })
+}

@@ -1,0 +1,115 @@
+//! What is remembered of points that touch, from one substep to the next: on which side they are, and where friction holds
+//! them.
+
+use crate::math::DVec3;
+use crate::solve::rows::{Row, Rows};
+
+/// What tells one point of a pair from another; points are found in this order.
+pub type Key = [u32; 3];
+
+/// A point that touches, in the collider's frame.
+#[derive(Clone, Copy, Debug)]
+struct Touch {
+    key: Key,
+    /// Its row in the substep under way.
+    row: u32,
+    normal: DVec3,
+    hold: Option<Hold>,
+    /// What the row ended with \[N·s\], in the world.
+    impulse: (f64, DVec3),
+}
+
+/// Where friction took hold of a point: of what material point of the deformable, by the weights of its nodes, and where on
+/// the collider \[m\].
+#[derive(Clone, Copy, Debug)]
+pub struct Hold {
+    /// Weights of the nodes.
+    pub weights: [f64; 4],
+    /// Where that point was, in the collider's frame.
+    pub anchor: DVec3,
+    /// How far it had slipped by then \[m\]. Where a body rolls over a face the points that touch are others at every time,
+    /// and only what each slips counts.
+    pub drift: DVec3,
+}
+
+/// The points of one kind of a pair of body and collider.
+#[derive(Clone, Debug, Default)]
+pub struct Touches {
+    kept: Vec<Touch>,
+    next: Vec<Touch>,
+    cursor: usize,
+}
+
+impl Touches {
+    /// Forgets all.
+    pub fn forget(&mut self) {
+        self.kept.clear();
+    }
+
+    /// Begins a substep.
+    pub fn begin(&mut self) {
+        self.next.clear();
+        self.cursor = 0;
+    }
+
+    /// The normal a point had when it last touched, and where friction holds it; keys ascend within a substep.
+    pub fn last(&mut self, key: Key) -> Option<(DVec3, Option<Hold>)> {
+        while self.kept.get(self.cursor).is_some_and(|t| t.key < key) {
+            self.cursor += 1;
+        }
+        let touch = self.kept.get(self.cursor).filter(|t| t.key == key)?;
+        Some((touch.normal, touch.hold))
+    }
+
+    /// What the row of this point ended with last \[N·s\].
+    pub fn impulse(&self, key: Key) -> (f64, DVec3) {
+        let i = self.kept.binary_search_by_key(&key, |t| t.key);
+        i.map_or(Default::default(), |i| self.kept[i].impulse)
+    }
+
+    /// Whether this point touched last.
+    pub fn touched(&self, key: Key) -> bool {
+        self.kept.binary_search_by_key(&key, |t| t.key).is_ok()
+    }
+
+    /// Whether any point whose key begins like this touched last.
+    pub fn knows(&self, [first, second]: [u32; 2]) -> bool {
+        let i = self.kept.partition_point(|t| t.key < [first, second, 0]);
+        self.kept
+            .get(i)
+            .is_some_and(|t| t.key[0] == first && t.key[1] == second)
+    }
+
+    /// A point has got a row; `hold` is where friction may take hold of it, or does.
+    pub fn found(&mut self, key: Key, row: usize, normal: DVec3, hold: Hold) {
+        self.next.push(Touch {
+            key,
+            row: row as u32,
+            normal,
+            hold: Some(hold),
+            impulse: Default::default(),
+        });
+    }
+
+    /// Ends a substep, after the rows have been solved. Friction keeps its hold on a point that sticks, or that leaves the
+    /// surface by less than `touching` m; one that slides takes its anchor along.
+    pub fn end(&mut self, rows: &Rows, touching: f64) {
+        self.kept.clear();
+        for touch in &self.next {
+            let row: &Row = &rows.contacts[touch.row as usize];
+            let pressed = row.normal_impulse > 0.0;
+            if pressed || row.depth >= -touching {
+                self.kept.push(Touch {
+                    hold: touch.hold.filter(|_| !pressed || row.sticks()),
+                    impulse: (row.normal_impulse, row.friction_impulse),
+                    ..*touch
+                });
+            }
+        }
+    }
+}
+
+/// The part of a drift along a surface.
+pub fn along(drift: DVec3, normal: DVec3) -> DVec3 {
+    drift - normal * drift.dot(normal)
+}

@@ -1,0 +1,360 @@
+//! Attachments in the world: made, read, led after their rigid bodies, let go.
+
+use super::attachment::{AttachError, AttachTo, Attachment};
+use super::{AttachmentHandle, Deformable, DeformableHandle, DeformableWorld, RapierParts};
+use crate::contact::target::wide_rotation;
+use crate::coupling::attach::{Bond, Hold, Part, Point};
+use crate::coupling::nearest::{nearest, pivot};
+use crate::math::{DQuat, DVec3, wide};
+use rapier3d::dynamics::{RigidBody, RigidBodySet};
+
+/// An attachment as it is read: its nodes, target, force, moment, energy, and whether it broke.
+pub type AttachmentState = Bond<DeformableHandle>;
+
+/// How far from a lone node another may be to be attached to it \[m\], and how far a pivot from what its nodes make.
+const CLOSE: f64 = 1e-3;
+/// How far a face may be from a node that is attached to it, in its longest edges.
+const FACE_GAP: f64 = 0.05;
+
+impl DeformableWorld {
+    /// Attaches nodes of a deformable to a rigid body, another deformable or the world ([`AttachTo::World`]), both ways. A
+    /// slice of nodes is a weld. To a deformable, each node is held at the nearest point of its faces, of its springs where
+    /// it has none, or of its nodes.
+    ///
+    /// While either side is disabled nothing is held; a node that has been moved meanwhile, or teleported, or whose body
+    /// was, is led back at [`push_out_speed`](super::DeformableParameters::push_out_speed). Removing either side removes the
+    /// attachment. A node is also pushed out of the colliders it touches, those of the body it is attached to included:
+    /// keep them apart by collision groups.
+    ///
+    /// # Errors
+    /// Unknown handles and nodes, no nodes, numbers that are negative or not finite, a deformable attached to itself, and
+    /// points that are too far apart.
+    pub fn attach(
+        &mut self,
+        deformable: DeformableHandle,
+        attachment: impl Into<Attachment>,
+        to: impl Into<AttachTo>,
+        bodies: &RigidBodySet,
+    ) -> Result<AttachmentHandle, AttachError> {
+        let (attachment, target) = (attachment.into(), to.into());
+        let soft = self
+            .get(deformable)
+            .ok_or(AttachError::UnknownDeformable(deformable))?;
+        let hold = checked(&attachment)?;
+        let nodes = nodes_of(&attachment, soft)?;
+        let (com, rot) = match target {
+            AttachTo::Body(body) => frame(bodies.get(body).ok_or(AttachError::UnknownBody(body))?),
+            _ => (DVec3::ZERO, DQuat::IDENTITY),
+        };
+        let mut points = held_points(&attachment, soft, &nodes)?;
+        let mean = {
+            let at = points.iter().map(|p| p.anchor);
+            at.sum::<DVec3>() / points.len() as f64
+        };
+        if let AttachTo::Deformable(other) = target {
+            if other == deformable {
+                return Err(AttachError::ToItself(other));
+            }
+            let other = self
+                .get(other)
+                .ok_or(AttachError::UnknownDeformable(other))?;
+            for point in &mut points {
+                stick(point, other)?;
+            }
+        } else {
+            for point in &mut points {
+                point.anchor = rot.inverse() * (point.anchor - com);
+            }
+        }
+        let about = attachment.at.map_or(mean, wide);
+        Ok(AttachmentHandle(self.attachments.insert(Bond {
+            deformable,
+            target,
+            hold,
+            nodes: nodes.into(),
+            points: points.into(),
+            pivot: rot.inverse() * (about - com),
+            strength: attachment.strength.into(),
+            moment_strength: attachment.moment_strength.into(),
+            force: DVec3::ZERO,
+            moment: DVec3::ZERO,
+            torque: DVec3::ZERO,
+            energy: 0.0,
+            average: Default::default(),
+            broken: None,
+            loose: false,
+        })))
+    }
+
+    /// Lets attached nodes go. The energy of a link goes as well, as external work.
+    pub fn detach(&mut self, handle: AttachmentHandle) -> bool {
+        let bond = self.attachments.remove(handle.0);
+        bond.map(|bond| self.release(&bond)).is_some()
+    }
+
+    fn release(&mut self, bond: &AttachmentState) {
+        if let Some(owner) = self.get_mut(bond.deformable) {
+            owner.links -= bond.energy;
+            owner.solver.work.external -= bond.energy;
+        }
+    }
+
+    /// An attachment.
+    pub fn attachment(&self, handle: AttachmentHandle) -> Option<&AttachmentState> {
+        self.attachments.get(handle.0)
+    }
+
+    /// All attachments, broken ones included, in the order of their slots.
+    pub fn attachments(&self) -> impl Iterator<Item = (AttachmentHandle, &AttachmentState)> {
+        self.attachments
+            .iter()
+            .map(|(i, a)| (AttachmentHandle(i), a))
+    }
+
+    /// Whether the handle is that of an attachment in this world.
+    pub fn contains_attachment(&self, handle: AttachmentHandle) -> bool {
+        self.attachments.contains(handle.0)
+    }
+
+    /// Mean force \[N\] that an attachment exerted on its target in the last rigid step, and its torque about the rigid
+    /// body's centre of mass, or about the world's origin \[N·m\]. [`AttachmentState::moment`] is about the pivot.
+    pub fn attachment_force(&self, handle: AttachmentHandle) -> Option<(DVec3, DVec3)> {
+        self.attachments.get(handle.0).map(|a| (a.force, a.torque))
+    }
+
+    /// How far the farthest held point is from where it is held, now \[m\].
+    pub fn attachment_stretch(
+        &self,
+        handle: AttachmentHandle,
+        bodies: &RigidBodySet,
+    ) -> Option<f64> {
+        self.stretch(self.attachments.get(handle.0)?, bodies)
+    }
+
+    fn stretch(&self, bond: &AttachmentState, bodies: &RigidBodySet) -> Option<f64> {
+        let (com, rot) = match bond.target {
+            AttachTo::Body(body) => frame(bodies.get(body)?),
+            _ => (DVec3::ZERO, DQuat::IDENTITY),
+        };
+        let other = match bond.target {
+            AttachTo::Deformable(other) => Some(&self.get(other)?.state),
+            _ => None,
+        };
+        let own = &self.get(bond.deformable)?.state;
+        let errors = bond.errors(com, rot, own, other);
+        Some(errors.map(|e| e.length()).fold(0.0, f64::max))
+    }
+
+    /// Removes the attachments of what is gone.
+    pub(super) fn drop_stale_attachments(&mut self, bodies: Option<&RigidBodySet>) {
+        let stale = |bond: &AttachmentState, world: &Self| {
+            !world.contains(bond.deformable)
+                || match bond.target {
+                    AttachTo::Body(body) => bodies.is_some_and(|b| !b.contains(body)),
+                    AttachTo::Deformable(other) => !world.contains(other),
+                    _ => false,
+                }
+        };
+        while let Some((i, _)) = self.attachments.iter().find(|(_, a)| stale(a, self)) {
+            self.detach(AttachmentHandle(i));
+        }
+    }
+
+    /// Finds out which attachments were pulled apart from outside since the last step.
+    pub(super) fn find_loose_attachments(&mut self, parts: &RapierParts) {
+        let limit = 1e-5 * parts.length_unit();
+        let loose = |(i, bond): (_, &AttachmentState)| {
+            let apart = self.stretch(bond, parts.bodies);
+            (i, !bond.is_link() && apart.is_some_and(|s| s > limit))
+        };
+        let found: Vec<_> = self.attachments.iter().map(loose).collect();
+        for (i, loose) in found {
+            self.attachments[i].loose = loose;
+        }
+    }
+
+    /// Brings held points to where Rapier's own step has left their rigid bodies, which shadows know only to the extent that
+    /// joints and contacts answered as they did before. Positions alone: it completes the way over which the attachment has
+    /// worked, so it is booked as work received from the body. The rate is unlimited; what was moved from outside is not
+    /// touched here.
+    pub(super) fn follow_rigid_bodies(&mut self, parts: &RapierParts) {
+        for (_, bond) in self.attachments.iter() {
+            let rigid = bond.body().and_then(|b| parts.bodies.get(b));
+            let (Some(rigid), Some(soft)) = (rigid, self.bodies.get_mut(bond.deformable.0)) else {
+                continue;
+            };
+            if bond.loose || bond.is_link() || bond.is_broken() {
+                continue;
+            }
+            if !rigid.is_enabled() || !soft.is_enabled() {
+                continue;
+            }
+            let (com, rot) = frame(rigid);
+            let errors: Vec<_> = bond.errors(com, rot, &soft.state, None).collect();
+            let most = errors.iter().map(|e| e.length()).fold(0.0, f64::max);
+            if most > 1e-3 * parts.length_unit() {
+                // Too far for what contact remembers.
+                soft.edits += 1;
+            }
+            if most > 0.0 && most.is_finite() {
+                soft.shift_points(&bond.points, &errors);
+            }
+        }
+    }
+}
+
+impl Deformable {
+    /// Moves each point by minus its error as an impulse would, and books what that does to the energies as work of the rigid
+    /// body.
+    fn shift_points(&mut self, points: &[Point], errors: &[DVec3]) {
+        self.cache.forget();
+        let balance = self.energies().balance();
+        for (point, error) in points.iter().zip(errors) {
+            let share = |p: &Part| {
+                let inv_mass = self.state.particles[p.node as usize].inv_mass;
+                p.weight * f64::from(inv_mass)
+            };
+            let response: f64 = point.parts.iter().map(|p| p.weight * share(p)).sum();
+            if response <= 0.0 {
+                continue;
+            }
+            for part in &point.parts {
+                let inv_mass = f64::from(self.state.particles[part.node as usize].inv_mass);
+                let by = *error * (-part.weight * inv_mass / response);
+                let node = part.node as usize;
+                self.state.displace(node, by.as_vec3().to_array());
+            }
+        }
+        self.solver.work.rigid += self.energies().balance() - balance;
+    }
+}
+
+/// Centre of mass and orientation of a rigid body.
+fn frame(body: &RigidBody) -> (DVec3, DQuat) {
+    let rot = wide_rotation(body.position().rotation);
+    let com = wide(body.position().translation) + rot * wide(body.local_center_of_mass());
+    (com, rot)
+}
+
+/// How the nodes are held, once its numbers are in range.
+fn checked(a: &Attachment) -> Result<Hold, AttachError> {
+    let value = |what, value: f32, must| AttachError::Value {
+        what,
+        value: value.into(),
+        must,
+    };
+    for (what, x) in [
+        ("the strength", a.strength),
+        ("the moment strength", a.moment_strength),
+    ] {
+        if x.is_nan() || x < 0.0 {
+            return Err(value(what, x, "positive, 0 or infinite"));
+        }
+    }
+    if let Some(at) = a.at
+        && !at.is_finite()
+    {
+        return Err(value(
+            "a coordinate of the pivot",
+            at.x + at.y + at.z,
+            "finite",
+        ));
+    }
+    let Hold::Link { stiffness, .. } = a.hold else {
+        return match a.damping {
+            Some(c) => Err(value("the damping", c, "left out but for links")),
+            None => Ok(a.hold),
+        };
+    };
+    let damping = a.damping.unwrap_or(0.0);
+    if !(stiffness as f32).is_normal() || stiffness < 0.0 {
+        let must = "positive and finite";
+        return Err(value("the stiffness of the link", stiffness as f32, must));
+    }
+    if !(damping.is_finite() && damping >= 0.0) {
+        let must = "0 or positive, and finite";
+        return Err(value("the damping of the link", damping, must));
+    }
+    Ok(Hold::Link {
+        stiffness,
+        damping: damping.into(),
+    })
+}
+
+/// The nodes in ascending order, each once.
+fn nodes_of(a: &Attachment, soft: &Deformable) -> Result<Vec<u32>, AttachError> {
+    let mut nodes: Vec<u32> = a.nodes.iter().map(|n| n.0).collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    let count = soft.node_count();
+    match nodes.last() {
+        None => Err(AttachError::NoNodes),
+        Some(&node) if node as usize >= count => Err(AttachError::UnknownNode { node, count }),
+        _ => Ok(nodes),
+    }
+}
+
+/// The points to be held; their anchors are still where they are in the world.
+fn held_points(
+    a: &Attachment,
+    soft: &Deformable,
+    nodes: &[u32],
+) -> Result<Vec<Point>, AttachError> {
+    let own = |node: u32, weight: f64| Part {
+        other: false,
+        node,
+        weight,
+    };
+    let position = |node: u32| soft.state.position(node as usize);
+    if a.hold != Hold::Pin {
+        let single = |&node: &u32| Point {
+            parts: vec![own(node, 1.0)],
+            anchor: position(node),
+        };
+        return Ok(nodes.iter().map(single).collect());
+    }
+    let mass = |node: u32| f64::from(soft.blueprint.nodes[node as usize].mass);
+    let masses: Vec<_> = nodes.iter().map(|&n| (position(n), mass(n))).collect();
+    let (weights, distance, extent) = pivot(&masses, a.at.map(wide));
+    if distance > CLOSE * extent.max(0.01) || !distance.is_finite() {
+        return Err(AttachError::Pivot { distance });
+    }
+    let parts: Vec<Part> = nodes.iter().zip(weights).map(|(&n, w)| own(n, w)).collect();
+    let anchor = parts.iter().map(|p| position(p.node) * p.weight).sum();
+    Ok(vec![Point { parts, anchor }])
+}
+
+/// Holds a point at the nearest one of another deformable.
+fn stick(point: &mut Point, other: &Deformable) -> Result<(), AttachError> {
+    let node = point.parts[0].node;
+    let found = nearest(&other.blueprint, &other.state, point.anchor);
+    let Some(found) = found.filter(|f| f.distance.is_finite()) else {
+        let (distance, limit) = (f64::INFINITY, CLOSE);
+        return Err(AttachError::TooFar {
+            node,
+            distance,
+            limit,
+        });
+    };
+    let limit = if found.edge > 0.0 {
+        FACE_GAP * found.edge
+    } else {
+        CLOSE
+    };
+    if found.distance > limit {
+        return Err(AttachError::TooFar {
+            node,
+            distance: found.distance,
+            limit,
+        });
+    }
+    point
+        .parts
+        .extend(found.weights.into_iter().map(|(node, weight)| Part {
+            other: true,
+            node,
+            weight: -weight,
+        }));
+    point.anchor = DVec3::ZERO;
+    Ok(())
+}

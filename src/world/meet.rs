@@ -1,0 +1,266 @@
+//! Which deformables may meet in a rigid step, and their encounters in its substeps.
+//!
+//! Boxes around the bodies, grown by how far they can go, stand in a tree that is refitted from step to step, so that a
+//! thousand bodies cost their neighbours and not their square.
+
+use super::group;
+use super::group::BodyKey;
+use super::observer::Partner;
+use super::reach::{Search, travel};
+use super::substep::{Group, Settings};
+use super::{Deformable, DeformableHandle, DeformableWorld};
+use crate::contact::encounter::Encounter;
+use crate::contact::encounter::manners::{Manners, admit};
+use crate::contact::encounter::outline::Outline;
+use crate::contact::encounter::posed::Posed;
+use crate::contact::encounter::rows::Bodies;
+use crate::contact::encounter::search::Searched;
+use crate::contact::site::Reach;
+use crate::math::narrow;
+use crate::solve::rows::Rows;
+use rapier3d::geometry::Aabb;
+use rapier3d::parry::partitioning::{Bvh, BvhWorkspace};
+use std::collections::BTreeMap;
+
+/// Two of the deformables in reach of each other, by their places in the list, in ascending order.
+pub(super) type Meeting = [usize; 2];
+
+/// The share of the shortest edge that two bodies may close by in a substep \[1\]: a node that flew over whole faces in
+/// one would be stopped by the wrong one.
+const STRIDE: f64 = 0.5;
+
+/// The most substeps that encounters ask for in a stretch. A body that explodes is soon faster than anything, and is to
+/// be frozen, not to be followed.
+const MOST: f64 = 256.0;
+
+/// The boxes of all bodies that took part in the last step, by slot.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Meetings {
+    tree: Bvh,
+    slots: Vec<u32>,
+}
+
+/// A body's box before it is grown, and how fast it may become.
+struct Swept {
+    slot: u32,
+    bounds: Aabb,
+    speed: f64,
+}
+
+impl Meetings {
+    /// Drops the boxes of bodies that are not among `swept`.
+    fn keep(&mut self, swept: &[Swept]) {
+        for &slot in &self.slots {
+            if swept.binary_search_by_key(&slot, |s| s.slot).is_err() {
+                self.tree.remove(slot);
+            }
+        }
+        self.slots.clear();
+        self.slots.extend(swept.iter().map(|s| s.slot));
+    }
+
+    /// Pairs whose boxes, grown by `reach`, overlap.
+    fn overlaps(&mut self, swept: &[Swept], reach: impl Fn(&Swept) -> f64) -> Vec<Meeting> {
+        let boxes = swept.iter().map(|s| {
+            let by = reach(s) as f32;
+            Aabb::new(s.bounds.mins - by, s.bounds.maxs + by)
+        });
+        let boxes: Vec<Aabb> = boxes.collect();
+        for (s, grown) in swept.iter().zip(&boxes) {
+            self.tree.insert_or_update_partially(*grown, s.slot, 0.0);
+        }
+        let mut workspace = BvhWorkspace::default();
+        self.tree.refit(&mut workspace);
+        self.tree.optimize_incremental(&mut workspace);
+        let mut pairs = Vec::new();
+        for (i, grown) in boxes.iter().enumerate() {
+            let hits = self.tree.intersect_aabb(grown);
+            let hits = hits.filter_map(|slot| swept.binary_search_by_key(&slot, |s| s.slot).ok());
+            pairs.extend(hits.filter(|&j| j > i).map(|j| [i, j]));
+        }
+        pairs.sort_unstable();
+        pairs
+    }
+}
+
+impl DeformableWorld {
+    /// The pairs of bodies that may touch in the coming step.
+    pub(super) fn find_meetings(
+        &mut self,
+        reaches: &[group::Reach],
+        search: &Search,
+    ) -> Vec<Meeting> {
+        let mut meetings = std::mem::take(&mut self.meetings);
+        let pairs = self.search_meetings(&mut meetings, reaches, search);
+        self.meetings = meetings;
+        pairs
+    }
+
+    fn search_meetings(
+        &self,
+        meetings: &mut Meetings,
+        reaches: &[group::Reach],
+        search: &Search,
+    ) -> Vec<Meeting> {
+        let bodies: Vec<&Deformable> = reaches.iter().filter_map(|r| self.get(r.handle)).collect();
+        if bodies.len() < 2 || bodies.len() != reaches.len() {
+            return Vec::new();
+        }
+        let mut swept: Vec<Swept> = reaches
+            .iter()
+            .zip(&bodies)
+            .map(|(reach, body)| swept(reach, body, search))
+            .collect();
+        meetings.keep(&swept);
+        let unit = search.parts.length_unit();
+        loop {
+            let mut pairs = meetings.overlaps(&swept, |s| travel(s.speed, search.dt, search.parts));
+            pairs.retain(|&[i, j]| admit(bodies[i].surface(), bodies[j].surface()));
+            // Who is hit may become as fast as what hits it.
+            let mut faster = false;
+            for &[i, j] in &pairs {
+                let most = swept[i].speed.max(swept[j].speed);
+                for k in [i, j] {
+                    if (most - swept[k].speed) * search.dt > 0.02 * unit {
+                        swept[k].speed = most;
+                        faster = true;
+                    }
+                }
+            }
+            if !faster {
+                pairs.retain(|&[i, j]| self.may_meet(reaches[i].handle, reaches[j].handle));
+                return pairs;
+            }
+        }
+    }
+
+    /// Puts encounters into groups: those of the last step, and new ones.
+    pub(super) fn resume_encounters(
+        &mut self,
+        groups: &mut BTreeMap<usize, Group>,
+        group_of: &[usize],
+        reaches: &[DeformableHandle],
+        meetings: &[Meeting],
+    ) {
+        let mut kept = std::mem::take(&mut self.encounters);
+        for pair in meetings {
+            let Some(group) = groups.get_mut(&group_of[pair[0]]) else {
+                continue;
+            };
+            let keys = pair.map(|i| reaches[i].key());
+            let places = keys.map(|k| group.members.binary_search_by_key(&k, |m| m.0.key()));
+            let [Ok(a), Ok(b)] = places else {
+                continue;
+            };
+            for i in [a, b] {
+                let body = &mut group.members[i].1;
+                if body.outline.is_none() {
+                    body.outline = Some(Box::new(Outline::new(&body.blueprint)));
+                }
+            }
+            let bodies = [a, b].map(|i| &group.members[i].1);
+            let (Some(first), Some(second)) = (&bodies[0].outline, &bodies[1].outline) else {
+                continue;
+            };
+            let manners = Manners::new(bodies.map(|b| b.surface()), [first, second]);
+            let edits = bodies.map(|b| b.edits);
+            let [of_a, of_b] = [a, b].map(|i| Partner::Deformable(group.members[i].0));
+            let pair = group.add_pair(a, of_b);
+            group.add_pair(b, of_a);
+            let members = [a as u32, b as u32];
+            group
+                .encounters
+                .push(match kept.remove(&(keys[0], keys[1])) {
+                    Some(mut e) => {
+                        e.resume(members, pair, manners, edits);
+                        e
+                    }
+                    None => Encounter::new(members, pair, manners),
+                });
+        }
+    }
+
+    /// Takes the encounters out of a group and puts them by for the next step.
+    pub(super) fn pause_encounters(&mut self, group: &mut Group) {
+        for mut encounter in group.encounters.drain(..) {
+            let bodies = encounter.members.map(|m| &group.members[m as usize]);
+            encounter.pause(bodies.map(|b| b.1.edits));
+            let keys: [BodyKey; 2] = bodies.map(|b| b.0.key());
+            self.encounters.insert((keys[0], keys[1]), encounter);
+        }
+    }
+}
+
+fn swept(reach: &group::Reach, body: &Deformable, search: &Search) -> Swept {
+    let mut speed = f64::from(body.max_speed_squared()).sqrt();
+    if reach.targets.iter().any(|t| t.body.is_some()) {
+        speed = speed.max(search.rigid_speed);
+    }
+    let (lo, hi) = body.bounds();
+    // f32 corners far from the origin are coarse, and a sheet has a thickness.
+    let coarse = (lo.abs().max(hi.abs()) * 2e-7).max_element();
+    let spacing = body.outline.as_ref().map_or(0.0, |o| o.spacing);
+    let spacing = if spacing.is_finite() { spacing } else { 0.0 };
+    let more = coarse + spacing.max(body.surface().thickness.into());
+    Swept {
+        slot: reach.handle.key().0,
+        bounds: Aabb::new(narrow(lo - more), narrow(hi + more)),
+        speed,
+    }
+}
+
+/// How many substeps of a stretch of `dt` s the encounters of a group want.
+pub(super) fn substeps(group: &Group, dt: f64) -> usize {
+    let wanted = group.encounters.iter().map(|e| {
+        let [a, b] = e.members.map(|m| &group.members[m as usize].1);
+        let spacing = |b: &Deformable| b.outline.as_ref().map_or(f64::INFINITY, |o| o.spacing);
+        let stride = STRIDE * spacing(a).min(spacing(b));
+        let n = (dt * (speed(a) + speed(b)) / stride).ceil();
+        n.min(MOST) as usize
+    });
+    wanted.max().unwrap_or(1)
+}
+
+fn speed(body: &Deformable) -> f64 {
+    f64::from(body.solver.speed_squared).sqrt()
+}
+
+/// The rows of an encounter at the positions the substep starts from.
+pub(super) fn find_rows(
+    encounter: &mut Encounter,
+    members: &mut [(DeformableHandle, Box<Deformable>)],
+    rows: &mut Rows,
+    h: f64,
+    s: &Settings,
+) {
+    let places = encounter.members.map(|m| m as usize);
+    let Ok([(_, a), (_, b)]) = members.get_disjoint_mut(places) else {
+        return;
+    };
+    let moved = h * (speed(a) + speed(b));
+    let (Some(of_a), Some(of_b)) = (&mut a.outline, &mut b.outline) else {
+        return;
+    };
+    let slack = h * s.length_unit;
+    let reach = Reach {
+        h,
+        touching: s.touching,
+        slack,
+        farthest: s.touching + slack + 2.0 * moved,
+    };
+    let searched = [(&a.state, &mut **of_a), (&b.state, &mut **of_b)];
+    encounter.refresh(
+        searched.map(|(state, outline)| Searched { state, outline }),
+        moved,
+        reach.farthest,
+    );
+    let origin = a.state.origin;
+    let mut bodies = Bodies {
+        posed: [
+            Posed::new(of_a, &a.state, origin),
+            Posed::new(of_b, &b.state, origin),
+        ],
+        slots: [&mut a.slots, &mut b.slots],
+    };
+    encounter.add_rows(&mut bodies, rows, reach);
+}

@@ -1,0 +1,189 @@
+//! Attachments of a group within a substep: their ties, the work that these do, and whether they hold.
+
+use super::AttachmentHandle;
+use super::attach::AttachmentState;
+use super::observer::{AttachmentBroke, AttachmentImpulse, Observer};
+use super::substep::{Group, node_work};
+use crate::coupling::attach::Side;
+use crate::coupling::ties::{Average, LinkEnergy};
+use crate::math::DVec3;
+
+/// An attachment while its group is advanced.
+#[derive(Clone, Debug)]
+pub(super) struct Attached {
+    pub handle: AttachmentHandle,
+    pub member: u32,
+    pub shadow: u32,
+    /// The member that it is attached to.
+    pub other: Option<u32>,
+    pub bond: AttachmentState,
+    /// Impulse and angular impulse on the target in this rigid step, the latter about the rigid body's centre of mass and
+    /// about the pivot.
+    pub impulse: DVec3,
+    pub torque: DVec3,
+    pub moment: DVec3,
+    /// The pivot, relative to what the arms of ties are relative to.
+    pivot: DVec3,
+    /// Energy and average at the start of the rigid step.
+    start: (f64, Average),
+    /// Energy of a link's springs before the substep and after it.
+    held: (f64, f64),
+    just_broke: bool,
+}
+
+impl Attached {
+    /// Back to the start of the rigid step.
+    pub fn go_back(&mut self) {
+        (self.bond.energy, self.bond.average) = self.start;
+        self.bond.broken = None;
+        self.just_broke = false;
+        (self.impulse, self.torque, self.moment) = Default::default();
+    }
+}
+
+impl Group {
+    pub(super) fn add_attachment(
+        &mut self,
+        member: u32,
+        other: Option<u32>,
+        shadow: u32,
+        handle: AttachmentHandle,
+        bond: AttachmentState,
+    ) {
+        self.tied.push(AttachmentImpulse {
+            attachment: handle,
+            deformable: bond.deformable,
+            impulse: DVec3::ZERO,
+            moment: DVec3::ZERO,
+        });
+        self.attachments.push(Attached {
+            handle,
+            member,
+            shadow,
+            other,
+            start: (bond.energy, bond.average),
+            bond,
+            impulse: DVec3::ZERO,
+            torque: DVec3::ZERO,
+            moment: DVec3::ZERO,
+            pivot: DVec3::ZERO,
+            held: (0.0, 0.0),
+            just_broke: false,
+        });
+    }
+
+    /// Adds the ties of all attachments that hold.
+    pub(super) fn find_ties(&mut self, h: f64) {
+        let Self {
+            members,
+            shadows,
+            attachments,
+            rows,
+            ..
+        } = self;
+        for (i, a) in (0..).zip(attachments).filter(|(_, a)| !a.bond.is_broken()) {
+            let shadow = (a.shadow, &shadows[a.shadow as usize]);
+            let pair = match a.other {
+                Some(other) => members
+                    .get_disjoint_mut([a.member as usize, other as usize])
+                    .map(|[own, other]| (own, Some(other))),
+                None => Ok((&mut members[a.member as usize], None)),
+            };
+            let Ok((own, other)) = pair else { continue };
+            let own = Side {
+                member: a.member,
+                state: &own.1.state,
+                slots: &mut own.1.slots,
+            };
+            let other = other.zip(a.other).map(|(other, member)| Side {
+                member,
+                state: &other.1.state,
+                slots: &mut other.1.slots,
+            });
+            a.held = (0.0, 0.0);
+            a.pivot = a.bond.add_ties(i, h, shadow, own, other, rows);
+        }
+    }
+
+    /// Work of ties: that of a link goes into its spring and its damper, which belong to the deformable that is attached.
+    /// Then each attachment bears its load, or breaks.
+    pub(super) fn book_ties(&mut self, h: f64, time: f64) {
+        self.book_tie_work(h);
+        let Self {
+            members,
+            attachments,
+            tied,
+            ..
+        } = self;
+        for (a, tied) in attachments.iter_mut().zip(tied) {
+            if a.bond.is_broken() {
+                continue;
+            }
+            let owner = &mut members[a.member as usize].1;
+            if a.bond.is_link() {
+                // What the spring held before differs from what was kept by what nodes were moved at position level.
+                owner.solver.work.push_out += a.held.0 - a.bond.energy;
+                owner.links += a.held.1 - a.bond.energy;
+                a.bond.energy = a.held.1;
+            }
+            a.just_broke = a.bond.bear(-tied.impulse, -tied.moment, h, time);
+            if a.just_broke {
+                owner.solver.work.fracture += a.bond.energy;
+                owner.links -= a.bond.energy;
+                a.bond.energy = 0.0;
+            }
+        }
+    }
+
+    /// Tells the observer of attachments that broke in this substep.
+    pub(super) fn report_breaks(&mut self, observer: &mut dyn Observer) {
+        for a in self.attachments.iter_mut().filter(|a| a.just_broke) {
+            a.just_broke = false;
+            if let Some(b) = a.bond.broken {
+                observer.attachment_event(&AttachmentBroke {
+                    attachment: a.handle,
+                    deformable: a.bond.deformable,
+                    force: b.force,
+                    moment: b.moment,
+                    time: b.time,
+                });
+            }
+        }
+    }
+
+    fn book_tie_work(&mut self, h: f64) {
+        for tie in &self.rows.ties {
+            let attached = &mut self.attachments[tie.attachment as usize];
+            let shadow = &self.shadows[tie.shadow as usize];
+            let mut stretching = DVec3::ZERO;
+            let mut velocity = DVec3::ZERO;
+            for term in self.rows.terms_of(tie.terms) {
+                let node = &self.rows.nodes[term.node as usize];
+                let impulse = tie.impulse * term.share;
+                let (mean, work) = node_work(&mut self.members, node, impulse);
+                work.rigid += impulse.dot(mean);
+                stretching += mean * term.weight;
+                velocity += node.v * term.weight;
+            }
+            if tie.softness > 0.0 {
+                velocity -= shadow.velocity_at(tie.arm) + tie.chord;
+                let anchor = shadow.velocity_before(tie.arm) + shadow.velocity_at(tie.arm);
+                stretching -= 0.5 * anchor;
+                let link = LinkEnergy::of(attached.bond.hold, tie, velocity, h);
+                let owner = &mut self.members[attached.member as usize].1;
+                attached.held.0 += link.held.0;
+                attached.held.1 += link.held.1;
+                owner.solver.work.rigid -= tie.impulse.dot(stretching);
+                owner.solver.work.damping += link.dissipated;
+            }
+            let impulse = -tie.impulse;
+            let moment = (tie.arm - attached.pivot).cross(impulse);
+            attached.impulse += impulse;
+            attached.torque += tie.arm.cross(impulse);
+            attached.moment += moment;
+            let tied = &mut self.tied[tie.attachment as usize];
+            tied.impulse -= impulse;
+            tied.moment -= moment;
+        }
+    }
+}

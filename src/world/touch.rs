@@ -1,0 +1,383 @@
+//! Who touches whom, how strongly, since when: the readable contact forces and the events of a step.
+//!
+//! A pair touches in a step if any of its substeps had an impulse, so a node that rattles at the rate of the substeps makes
+//! no events. Everything is added up over the substeps and over Rapier's steps within a step.
+
+use super::observer::{Observer, PairImpulse, Partner};
+use super::{DeformableHandle, DeformableWorld, RapierParts};
+use crate::math::DVec3;
+
+/// What one partner did to one deformable in a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct PairContact {
+    /// The deformable.
+    pub deformable: DeformableHandle,
+    /// What it touches.
+    pub partner: Partner,
+    /// Impulse on the deformable \[N·s\].
+    pub impulse: DVec3,
+    /// Mean force on the deformable over the step \[N\].
+    pub force: DVec3,
+    /// Largest force of a substep \[N\].
+    pub peak_force: f64,
+    /// Deepest penetration in any substep \[m\].
+    pub depth: f64,
+    /// Where they touched, in the mean by impulse \[m\].
+    pub point: DVec3,
+    /// Mean normal by impulse, out of the partner; zero if the parts of it cancel.
+    pub normal: DVec3,
+    /// The most points that received an impulse in one substep; 0 for partners that notice and do not push.
+    pub touching: u32,
+}
+
+/// What happened to a pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum TouchEventKind {
+    /// It began to exchange impulses, or to overlap.
+    Started,
+    /// It ceased to.
+    Stopped {
+        /// Because one of the two is no more.
+        removed: bool,
+    },
+    /// The mean force over the step was above the deformable's
+    /// [`contact_force_event_threshold`](crate::contact::target::Surface::contact_force_event_threshold).
+    Force,
+}
+
+/// A contact or an overlap began, was strong, or ended within a step.
+///
+/// Contacts are told by impulses, added up over the step. Sensors, and colliders whose solver groups do not agree with the
+/// deformable's, only notice it: by a face, a spring or a node of it that is in them after a Rapier step, or by a node that
+/// went right through in between, however fast, which both starts and stops in the one step. What is narrower than the
+/// distance between nodes may pass unnoticed between them. Rapier's `ActiveCollisionTypes` and `ActiveEvents` of the
+/// collider do not matter: a deformable counts as a dynamic body that asks for its events.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct TouchEvent {
+    /// What happened.
+    pub kind: TouchEventKind,
+    /// Whether the partner is a sensor.
+    pub sensor: bool,
+    /// Simulated time at the end of the step \[s\].
+    pub time: f64,
+    /// Who, and how strongly in this step; all zero for what only notices, and where nothing touched any more.
+    pub contact: PairContact,
+}
+
+/// A key of a pair to sort by.
+pub(super) type TouchKey = ((u32, u32), (bool, (u32, u32)));
+
+/// A pair that touches, or did a moment ago.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Touch {
+    contact: PairContact,
+    /// Σ of normal impulses \[N·s\].
+    weight: f64,
+    pub sensor: bool,
+    /// Whether it touched at the end of the last step.
+    before: bool,
+    /// Whether it got an impulse in this step.
+    pushed: bool,
+    /// Whether it was noticed in this step.
+    pub seen: bool,
+    /// The last Rapier step after which it overlapped.
+    pub inside: u64,
+}
+
+impl Touch {
+    pub fn new(deformable: DeformableHandle, partner: Partner) -> Self {
+        let contact = PairContact {
+            deformable,
+            partner,
+            impulse: DVec3::ZERO,
+            force: DVec3::ZERO,
+            peak_force: 0.0,
+            depth: 0.0,
+            point: DVec3::ZERO,
+            normal: DVec3::ZERO,
+            touching: 0,
+        };
+        Self {
+            contact,
+            weight: 0.0,
+            sensor: false,
+            before: false,
+            pushed: false,
+            seen: false,
+            inside: u64::MAX,
+        }
+    }
+
+    pub fn key(deformable: DeformableHandle, partner: Partner) -> TouchKey {
+        (deformable.key(), partner.key())
+    }
+
+    /// Begins a step.
+    fn clear(&mut self) {
+        let c = &self.contact;
+        *self = Self {
+            before: self.before,
+            sensor: self.sensor,
+            inside: self.inside,
+            ..Self::new(c.deformable, c.partner)
+        };
+    }
+
+    /// Ends a step of `dt` s: sums become means.
+    fn finish(&mut self, dt: f64) {
+        let c = &mut self.contact;
+        c.force = c.impulse / dt;
+        if self.weight > 0.0 {
+            c.point /= self.weight;
+            c.normal = c.normal.normalize_or_zero();
+        }
+    }
+
+    /// Two deformables are two pairs; the second one makes no events.
+    fn is_mirrored(&self) -> bool {
+        match self.contact.partner {
+            Partner::Collider(_) => false,
+            Partner::Deformable(other) => other.key() < self.contact.deformable.key(),
+        }
+    }
+}
+
+/// What a pair of a group adds up over the substeps of a Rapier step.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PairSum {
+    impulse: DVec3,
+    peak: f64,
+    depth: f64,
+    touching: u32,
+    /// Σ impulse · point, Σ impulse · normal, Σ impulse, of normal impulses.
+    point: DVec3,
+    normal: DVec3,
+    weight: f64,
+}
+
+impl PairSum {
+    /// Takes in a row.
+    #[inline]
+    pub fn add_row(&mut self, point: DVec3, normal: DVec3, impulse: f64) {
+        self.point += point * impulse;
+        self.normal += normal * impulse;
+        self.weight += impulse;
+    }
+
+    /// Takes in a substep of h s.
+    #[inline]
+    pub fn add(&mut self, pair: &PairImpulse, h: f64) {
+        if pair.touching > 0 {
+            self.impulse += pair.impulse;
+            self.peak = self.peak.max(pair.impulse.length() / h);
+            self.touching = self.touching.max(pair.touching);
+        }
+        self.depth = self.depth.max(pair.depth);
+    }
+}
+
+impl DeformableWorld {
+    /// Mean force of a collider, or of another deformable, on a deformable over the last step \[N\]; `None` where they did
+    /// not touch.
+    ///
+    /// ```
+    /// use crumple::prelude::*;
+    /// use crumple::rapier3d::prelude::*;
+    /// let mut world = PhysicsWorld::default();
+    /// let (_, floor) = world.insert(RigidBodyBuilder::fixed(), ColliderBuilder::cuboid(5.0, 0.1, 5.0));
+    /// let mut deformables = DeformableWorld::default();
+    /// let block = deformables.insert(
+    ///     DeformableBuilder::new(lattice(Vector::splat(0.4), 0.2))
+    ///         .material(Material::rubber())
+    ///         .translation(Vector::Y * 0.3),
+    /// )?;
+    /// deformables.step(&mut world);
+    /// assert_eq!(deformables.report().events[0].kind, TouchEventKind::Started);
+    /// for _ in 0..120 {
+    ///     deformables.step(&mut world);
+    /// }
+    /// let (force, weight) = (deformables.contact_force(block, floor), deformables[block].mass() * 9.81);
+    /// assert!((force.unwrap().y / weight - 1.0).abs() < 0.01);
+    /// # Ok::<(), crumple::body::BuildError>(())
+    /// ```
+    pub fn contact_force(
+        &self,
+        deformable: DeformableHandle,
+        partner: impl Into<Partner>,
+    ) -> Option<DVec3> {
+        let touch = self.touches.get(&Touch::key(deformable, partner.into()))?;
+        touch.pushed.then_some(touch.contact.force)
+    }
+
+    /// What touched a deformable in the last step: colliders first, in the order of their handles.
+    pub fn contacts_of(&self, deformable: DeformableHandle) -> impl Iterator<Item = &PairContact> {
+        let key = deformable.key();
+        let last = (true, (u32::MAX, u32::MAX));
+        self.touches
+            .range((key, (false, (0, 0)))..=(key, last))
+            .filter(|(_, t)| t.pushed)
+            .map(|(_, t)| &t.contact)
+    }
+
+    /// Which deformables a collider, or another deformable, touched in the last step, in the order of their handles.
+    pub fn contacts_with(&self, partner: impl Into<Partner>) -> impl Iterator<Item = &PairContact> {
+        let partner = partner.into();
+        self.touches
+            .values()
+            .filter(move |t| t.pushed && t.contact.partner == partner)
+            .map(|t| &t.contact)
+    }
+
+    /// Begins a step: what touched in the last one is not read any more.
+    pub(super) fn begin_touches(&mut self) {
+        for touch in self.touches.values_mut() {
+            touch.clear();
+        }
+    }
+
+    /// Adds up a Rapier step of a pair.
+    pub(super) fn add_touch(&mut self, pair: &PairImpulse, sum: &PairSum) {
+        if sum.touching == 0 {
+            return;
+        }
+        let partner = pair.partner;
+        let touch = self.touches.entry(Touch::key(pair.deformable, partner));
+        let touch = touch.or_insert_with(|| Touch::new(pair.deformable, partner));
+        (touch.pushed, touch.seen, touch.sensor) = (true, true, false);
+        touch.weight += sum.weight;
+        let c = &mut touch.contact;
+        c.impulse += sum.impulse;
+        c.peak_force = c.peak_force.max(sum.peak);
+        c.depth = c.depth.max(sum.depth);
+        c.touching = c.touching.max(sum.touching);
+        c.point += sum.point;
+        c.normal += sum.normal;
+    }
+
+    /// Ends a step of `dt` s: means, and events in the order of deformables and partners.
+    pub(super) fn end_touches(
+        &mut self,
+        parts: &RapierParts,
+        dt: f64,
+        observer: &mut dyn Observer,
+    ) {
+        let Self {
+            touches,
+            bodies,
+            report,
+            steps,
+            time,
+            ..
+        } = self;
+        touches.retain(|_, touch| {
+            touch.finish(dt);
+            let now = touch.pushed || touch.inside == *steps;
+            let (began, was) = (touch.seen && !touch.before, touch.seen || touch.before);
+            touch.before = now;
+            if touch.is_mirrored() {
+                return now;
+            }
+            let mut tell = |kind| {
+                let event = TouchEvent {
+                    kind,
+                    sensor: touch.sensor,
+                    time: *time,
+                    contact: touch.contact,
+                };
+                observer.touch_event(&event);
+                report.events.push(event);
+            };
+            if began {
+                tell(TouchEventKind::Started);
+            }
+            let deformable = bodies.get(touch.contact.deformable.0);
+            let threshold = deformable.and_then(|b| b.surface.contact_force_event_threshold);
+            if touch.pushed
+                && threshold.is_some_and(|t| touch.contact.force.length() > f64::from(t))
+            {
+                tell(TouchEventKind::Force);
+            }
+            if was && !now {
+                let there = match touch.contact.partner {
+                    Partner::Collider(c) => parts.colliders.contains(c),
+                    Partner::Deformable(d) => bodies.contains(d.0),
+                };
+                let removed = deformable.is_none() || !there;
+                tell(TouchEventKind::Stopped { removed });
+            }
+            now
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::prelude::*;
+    use rapier3d::prelude::*;
+
+    #[derive(Default)]
+    struct Given(Vec<(ColliderHandle, DVec3)>);
+
+    impl Observer for Given {
+        fn substep(&mut self, s: &Substep) {
+            for n in s.node_impulses {
+                if let Partner::Collider(c) = n.partner {
+                    self.0.push((c, n.impulse));
+                }
+            }
+        }
+
+        fn wants_node_impulses(&self) -> bool {
+            true
+        }
+    }
+
+    /// Tumbling bodies of two colliders each, with their centres of mass aside, two of them jointed, fall on a block: in
+    /// every Rapier step each shadow has received what the nodes were given, to the last bits.
+    #[test]
+    fn shadows_receive_what_nodes_are_given() {
+        let mut world = PhysicsWorld::default();
+        world.integration_parameters.dt = 1.0 / 240.0;
+        let bodies = [-0.3, 0.0, 0.3].map(|x| {
+            let at = RigidBodyBuilder::dynamic()
+                .translation(Vector::new(x, 0.5, 0.05))
+                .linvel(Vector::new(0.3, -4.0, 0.2))
+                .angvel(Vector::new(3.0, -2.0, 6.0 + x));
+            let cuboid = ColliderBuilder::cuboid(0.08, 0.1, 0.05).density(900.0);
+            let (body, _) = world.insert(at, cuboid);
+            let ball = ColliderBuilder::ball(0.07).translation(Vector::new(0.05, -0.1, 0.02));
+            world.insert_collider(ball.density(300.0), Some(body));
+            body
+        });
+        let joint = SphericalJointBuilder::new()
+            .local_anchor1(Vector::X * 0.15)
+            .local_anchor2(Vector::X * -0.15);
+        world.insert_impulse_joint(bodies[0], bodies[1], joint);
+        let mut set = DeformableWorld::new();
+        let block = DeformableBuilder::new(lattice(Vector::new(1.0, 0.4, 0.4), 0.1))
+            .material(Material::elastic(3.0e5, 300.0).viscosity(300.0));
+        set.insert(block).expect("a sound block");
+        let mut met = [0; 3];
+        for _ in 0..120 {
+            let mut given = Given::default();
+            set.before_step(&mut RapierParts::from(&mut world), &mut given);
+            for waiting in &set.waiting {
+                let own =
+                    |c: &ColliderHandle| world.colliders[*c].parent() == Some(waiting.touched.body);
+                let nodes = given.0.iter().filter(|(c, _)| own(c)).map(|(_, j)| *j);
+                let size: f64 = nodes.clone().map(DVec3::length).sum();
+                let error = (nodes.sum::<DVec3>() + waiting.end.impulse).length();
+                assert!(error <= 1e-12 * size, "off by {error} of {size} N·s");
+                let i = bodies.iter().position(|b| *b == waiting.touched.body);
+                met[i.expect("one of them")] += u32::from(size > 0.0);
+            }
+            world.step();
+            set.after_step(&mut RapierParts::from(&mut world));
+        }
+        assert!(met.iter().all(|n| *n > 3), "all must touch: {met:?}");
+    }
+}

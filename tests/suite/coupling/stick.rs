@@ -1,0 +1,58 @@
+//! Friction that holds: a rigid box kept awake on a deformable slope.
+
+use crumple::prelude::*;
+use crumple::rapier3d::prelude::*;
+use crumple::shape;
+
+/// A box of `mass` kg on a deformable slab under gravity tilted by 20°, both at rest against each other; how far the box
+/// creeps along the slope in 10 s after two of settling \[m\].
+fn creep(mass: f32, mu: f32, dt: f32) -> f64 {
+    let angle = 20.0_f32.to_radians();
+    let mut world = PhysicsWorld {
+        gravity: 9.81 * Vector::new(angle.sin(), -angle.cos(), 0.0),
+        ..PhysicsWorld::default()
+    };
+    world.integration_parameters.dt = dt;
+    let mut net = shape::lattice(Vector::new(1.0, 0.2, 0.6), 0.1).unwrap();
+    for node in &mut net.nodes {
+        node.pinned = node.position.y < -0.09;
+    }
+    let mut deformables = DeformableWorld::default();
+    deformables
+        .insert(
+            DeformableBuilder::new(net)
+                .material(Material::elastic(1.0e6, 200.0).viscosity(1.0e3))
+                .friction(mu)
+                .translation(Vector::new(0.0, -0.1, 0.0)),
+        )
+        .unwrap();
+    let side = 0.25;
+    let (body, _) = world.insert(
+        RigidBodyBuilder::dynamic()
+            .translation(Vector::new(0.0, 0.5 * side, 0.0))
+            .can_sleep(false),
+        ColliderBuilder::cuboid(0.5 * side, 0.5 * side, 0.5 * side)
+            .mass(mass)
+            .friction(mu),
+    );
+    let seconds = |s: f32| (s / dt).round() as usize;
+    for _ in 0..seconds(2.0) {
+        deformables.step(&mut world);
+    }
+    let start = world.bodies[body].translation();
+    for _ in 0..seconds(10.0) {
+        deformables.step(&mut world);
+    }
+    f64::from((world.bodies[body].translation() - start).length())
+}
+
+#[test]
+fn an_awake_box_does_not_creep_down_a_deformable_slope() {
+    for (mass, mu) in [(1.0, 0.6), (10.0, 0.6), (10.0, 1.0), (50.0, 0.6)] {
+        let way = creep(mass, mu, 1.0 / 60.0);
+        assert!(
+            way < 1e-4,
+            "{mass} kg, μ = {mu}: creeps {way:.2e} m in 10 s"
+        );
+    }
+}
