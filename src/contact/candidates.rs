@@ -1,10 +1,9 @@
-//! Candidate nodes: those that can reach a target before the list is made again.
+//! Candidates: nodes, faces and edges of a body that can reach a target.
 //!
-//! A list holds the nodes within a margin of the target. It stays valid while the fastest node and the target together
-//! have moved by less than the margin, so that most substeps look only at nodes near a surface, and a body at rest makes
-//! no list for seconds. All nodes count, inner ones too: in a crumpled body an inner node may well be the one that meets
-//! the wall. Lists outlive the step: what a node touched last tells on which side of a thin plate it belongs, and where
-//! friction took hold of it.
+//! How far each was from the target when it was last looked at tells when it must be looked at again, so that a substep
+//! looks only at what is near the surface, and at rest only at what touches. All nodes count, inner ones too: in a
+//! crumpled body an inner node may well be the one that meets the wall. What is known outlives the step: what a node
+//! touched last tells on which side of a thin plate it belongs, and where friction took hold of it.
 
 use super::feature::Features;
 use super::form::{Form, address};
@@ -26,8 +25,10 @@ pub struct Candidates {
     nodes: Nodes,
     /// Faces and edges near the target's corners, edges and curved parts.
     features: Option<Features>,
-    /// The collider's frame when the list was put by.
+    /// The collider's frame when it was last looked at.
     frame: Option<Frame>,
+    /// How far body and collider have moved in all, or more \[m\].
+    way: f64,
     /// How often the nodes had been moved from outside by then.
     edits: u64,
 }
@@ -44,6 +45,7 @@ impl Candidates {
             pair,
             nodes: Nodes::default(),
             frame: None,
+            way: 0.0,
             edits: 0,
         }
     }
@@ -60,43 +62,48 @@ impl Candidates {
             _ => f64::INFINITY,
         };
         if moved <= far {
-            self.spend(moved);
+            self.way += moved;
+            self.nodes.spend(moved);
         } else {
-            self.spend(f64::INFINITY);
-            self.nodes.forget();
+            self.way = 0.0;
+            self.nodes.reset();
             if let Some(features) = &mut self.features {
+                features.reset();
                 features.forget();
             }
         }
+        self.frame = Some(now);
         self.target = target;
         self.pair = pair;
     }
 
-    fn spend(&mut self, moved: f64) {
-        self.nodes.spend(moved);
-        if let Some(features) = &mut self.features {
-            features.spend(moved);
+    /// Takes in that the collider has moved to where its shadow stands.
+    fn follow(&mut self, shadow: &Shadow) -> Frame {
+        let now = self.target.frame(shadow);
+        if let Some(last) = self.frame.replace(now) {
+            self.way += last.distance(&now, self.target.extent);
         }
+        now
     }
 
-    /// Puts the list by for the next step.
+    /// Puts the lists by for the next step.
     pub fn pause(&mut self, shadow: &Shadow, edits: u64) {
-        self.frame = Some(self.target.frame(shadow));
+        self.follow(shadow);
         self.edits = edits;
     }
 
-    /// Adds the rows of this substep to those of the group, after things have moved by `moved` m at most since the last.
-    /// Whatever lies within `near` m stays in the lists.
-    pub fn find_rows(&mut self, mut site: Site, moved: f64, near: f64) {
+    /// Adds the rows of this substep to those of the group. In the last one nodes moved by up to `moved` m, in this one
+    /// nodes and collider may come nearer by `closing` m. Whatever lies within `near` m stays in the lists of soups.
+    pub fn find_rows(&mut self, mut site: Site, moved: f64, closing: f64, near: f64) {
+        let frame = self.follow(site.shadow);
+        self.way += moved;
         let farthest = site.reach.farthest.max(near);
-        let frame = self.target.frame(site.shadow);
         self.nodes
-            .refresh(&self.target, site.side.state, &frame, moved, farthest);
+            .refresh(&self.target, site.side.state, &frame, closing, farthest);
         self.nodes
-            .add_rows(&self.target, self.pair, &frame, &mut site);
+            .add_rows((&self.target, self.pair), &frame, &mut site, self.way);
         if let Some(features) = &mut self.features {
-            features.refresh(site.side, &frame, moved, farthest);
-            features.add_rows(&self.target, self.pair, &frame, &mut site);
+            features.add_rows(&self.target, self.pair, &frame, &mut site, self.way);
         }
     }
 
@@ -108,9 +115,19 @@ impl Candidates {
         }
     }
 
-    /// Whether any candidate lies within `distance` m of the target.
-    pub fn any_within(&self, state: &State<Real>, shadow: &Shadow, distance: f64) -> bool {
+    /// Whether any node lies within `distance` m of the target, after the nodes moved by up to `moved` m in the last
+    /// substep.
+    pub fn any_within(
+        &self,
+        state: &State<Real>,
+        shadow: &Shadow,
+        moved: f64,
+        distance: f64,
+    ) -> bool {
         let frame = self.target.frame(shadow);
-        self.nodes.any_within(&self.target, state, &frame, distance)
+        let last = self.frame.unwrap_or(frame);
+        let way = self.way + moved + last.distance(&frame, self.target.extent);
+        self.nodes
+            .any_within(&self.target, state, (&frame, way), distance)
     }
 }

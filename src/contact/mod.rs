@@ -13,3 +13,4 @@ pub mod soup;
 pub mod soup_nodes;
 pub mod target;
 pub mod touches;
+pub mod watch;

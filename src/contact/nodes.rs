@@ -25,25 +25,27 @@ impl Default for Nodes {
 }
 
 impl Nodes {
-    /// Uses up the budget by what has moved \[m\] besides the substeps.
+    /// Takes in what has moved \[m\] besides the substeps.
     pub fn spend(&mut self, moved: f64) {
-        match self {
-            Self::Solid(nodes) => nodes.spend(moved),
-            Self::Soup(nodes) => nodes.spend(moved),
+        if let Self::Soup(nodes) = self {
+            nodes.spend(moved);
         }
     }
 
-    /// Forgets which nodes touch, and on which side.
-    pub fn forget(&mut self) {
+    /// Forgets all distances, which nodes touch, and on which side.
+    pub fn reset(&mut self) {
         match self {
-            Self::Solid(nodes) => nodes.forget(),
-            Self::Soup(nodes) => nodes.forget(),
+            Self::Solid(nodes) => nodes.reset(),
+            Self::Soup(nodes) => {
+                nodes.spend(f64::INFINITY);
+                nodes.forget();
+            }
         }
     }
 
-    /// Makes the list anew if, after `moved` m since the last look, it might lack a node that can get a row in the coming
-    /// substep, which is any within `farthest` m. A list should last for many substeps: the faster things move, the wider
-    /// it is.
+    /// Makes the list of a soup anew if, after `moved` m since the last look, it might lack a node that can get a row in
+    /// the coming substep, which is any within `farthest` m. A list should last for many substeps: the faster things move,
+    /// the wider it is.
     pub fn refresh(
         &mut self,
         target: &Target,
@@ -58,22 +60,22 @@ impl Nodes {
             (Form::Soup(_), Self::Solid(_)) => *self = Self::Soup(Box::default()),
             _ => {}
         }
-        match (&target.form, self) {
-            (Form::Solid(solid), Self::Solid(nodes)) => {
-                nodes.refresh((solid, target.skin), state, frame, moved, farthest);
-            }
-            (Form::Soup(soup), Self::Soup(nodes)) => {
-                nodes.refresh((soup, target.skin), state, frame, moved, farthest);
-            }
-            _ => {}
+        if let (Form::Soup(soup), Self::Soup(nodes)) = (&target.form, self) {
+            nodes.refresh((soup, target.skin), state, frame, moved, farthest);
         }
     }
 
-    /// Rows for every node that can touch within the substep.
-    pub fn add_rows(&mut self, target: &Target, pair: u32, frame: &Frame, site: &mut Site) {
+    /// Rows for every node that can touch within the substep; `way` is how far body and collider have moved in all \[m\].
+    pub fn add_rows(
+        &mut self,
+        (target, pair): (&Target, u32),
+        frame: &Frame,
+        site: &mut Site,
+        way: f64,
+    ) {
         match (&target.form, self) {
             (Form::Solid(solid), Self::Solid(nodes)) => {
-                nodes.add_rows(solid, (target, pair), frame, site);
+                nodes.add_rows(solid, (target, pair), (frame, way), site);
             }
             (Form::Soup(_), Self::Soup(nodes)) => nodes.add_rows(target, pair, frame, site),
             _ => {}
@@ -88,18 +90,18 @@ impl Nodes {
         }
     }
 
-    /// Whether any node lies within `distance` m of the target.
+    /// Whether any node lies within `distance` m of the target; of a solid after a way as in [`Self::add_rows`].
     pub fn any_within(
         &self,
         target: &Target,
         state: &State<Real>,
-        frame: &Frame,
+        (frame, way): (&Frame, f64),
         distance: f64,
     ) -> bool {
         let distance = target.skin + distance;
         match (&target.form, self) {
             (Form::Solid(solid), Self::Solid(nodes)) => {
-                nodes.any_within(solid, state, frame, distance)
+                nodes.any_within(solid, state, (frame, way), distance)
             }
             (Form::Soup(_), Self::Soup(nodes)) => nodes.any_within(state, frame, distance),
             _ => false,

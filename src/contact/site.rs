@@ -1,8 +1,9 @@
 //! Where rows come from and go: the body, the collider's shadow, what is near enough, and the rows of the group.
 
+use super::target::Frame;
 use crate::body::state::State;
 use crate::body::topology::Topology;
-use crate::math::Real;
+use crate::math::{DVec3, Real};
 use crate::solve::rows::{RowNode, Rows};
 use crate::solve::shadow::Shadow;
 
@@ -35,6 +36,17 @@ pub struct Side<'a> {
     pub state: &'a State<Real>,
     /// Its faces and edges.
     pub topology: &'a Topology,
+}
+
+impl Side<'_> {
+    /// The box around its nodes in a frame \[m\].
+    pub fn bounds(&self, frame: &Frame) -> (DVec3, DVec3) {
+        let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let nodes = 0..self.state.particles.len() as u32;
+        nodes
+            .map(|node| frame.to_local(self.state, node))
+            .fold(start, |(lo, hi), x| (lo.min(x), hi.max(x)))
+    }
 }
 
 /// Where the rows of one body and one target come from, and where they go.

@@ -5,117 +5,52 @@ use super::nodes::add;
 use super::site::{Reach, Site};
 use super::target::{Frame, Target};
 use super::touches::{Hold, Touches, along};
+use super::watch::Watch;
 use crate::body::state::State;
 use crate::math::{DVec3, Real};
 use crate::solve::rows::{Row, Rows};
 
 /// The nodes of one body near one solid, and what is remembered of those that touch it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct SolidNodes {
-    /// In ascending order.
-    near: Vec<u32>,
-    /// How far things may still move before the list is stale \[m\].
-    budget: f64,
+    /// Distances from the solid without its skin.
+    nodes: Watch,
     touches: Touches,
 }
 
-impl Default for SolidNodes {
-    fn default() -> Self {
-        Self {
-            near: Vec::new(),
-            budget: -1.0,
-            touches: Touches::default(),
-        }
-    }
-}
-
 impl SolidNodes {
-    /// Uses up the budget by what has moved \[m\] besides the substeps.
-    pub fn spend(&mut self, moved: f64) {
-        self.budget -= moved;
-    }
-
-    /// Forgets which nodes touch.
-    pub fn forget(&mut self) {
+    /// Forgets all distances, and which nodes touch.
+    pub fn reset(&mut self) {
+        self.nodes.reset();
         self.touches.forget();
     }
 
-    /// Makes the list anew when it might lack a node within `farthest` m; see [`super::nodes::Nodes::refresh`].
-    pub fn refresh(
-        &mut self,
-        (solid, skin): (&Solid, f64),
-        state: &State<Real>,
-        frame: &Frame,
-        moved: f64,
-        farthest: f64,
-    ) {
-        self.budget -= moved;
-        if self.budget >= farthest {
-            return;
-        }
-        let margin = 4.0 * farthest + 100.0 * moved;
-        self.budget = margin;
-        self.near.clear();
-        let near = |i: &u32| solid.signed_distance(frame.to_local(state, *i)).0 < skin + margin;
-        self.near
-            .extend((0..state.particles.len() as u32).filter(near));
-    }
-
-    /// A row for every node that can touch within the substep.
+    /// A row for every node that can touch within the substep, after body and solid have moved by `way` m in all.
     pub fn add_rows(
         &mut self,
         solid: &Solid,
         (target, pair): (&Target, u32),
-        frame: &Frame,
+        (frame, way): (&Frame, f64),
         site: &mut Site,
     ) {
-        self.touches.begin();
-        for &i in &self.near {
+        let Self { nodes, touches } = self;
+        touches.begin();
+        let count = site.side.state.particles.len();
+        let reach = target.skin + site.reach.farthest;
+        nodes.visit(count, way, (reach, site.reach.farthest), |i| {
             let place = frame.to_local(site.side.state, i);
-            let (distance, mut normal) = solid.signed_distance(place);
-            let mut depth = target.skin - distance;
-            // A bound first: most candidates are farther off than anything can go in a substep.
-            if depth < -site.reach.farthest {
-                continue;
-            }
-            let arm = frame.axes * place + (frame.position - site.shadow.com);
-            let slip = site.side.state.velocity(i as usize) - site.shadow.velocity_at(arm);
-            if depth < -site.reach.at(slip.length()) {
-                continue;
-            }
-            let key = [0, i, 0];
-            let last = self.touches.last(key);
-            let fresh = last.is_none_or(|(before, _)| normal.dot(before) < SAME);
-            if fresh && depth < site.reach.touching {
-                let motion = frame.axes.transpose() * slip * site.reach.h;
-                if misses(solid, place, motion, -depth, normal, &site.reach) {
-                    continue;
-                }
-            }
-            if let Some((before, _)) = last
-                && depth > 0.0
-                && normal.dot(before) < 0.0
-                && let Some(back) = solid.depth_along(place, before)
-            {
-                // Squeezed past the middle of a thin solid: it goes back to where it came from.
-                (depth, normal) = (target.skin + back, before);
-            }
-            let hold = last.and_then(|(_, hold)| hold).unwrap_or(Hold {
-                weights: [1.0, 0.0, 0.0, 0.0],
-                anchor: place,
-                drift: DVec3::ZERO,
-            });
-            self.touches
-                .found(key, site.rows.contacts.len(), normal, hold);
-            let row = Row {
-                normal: frame.axes * normal,
-                depth,
-                arm,
-                drift: frame.axes * along(place - hold.anchor, normal),
-                ..target.row(Default::default(), pair, site.reach.h)
+            let found = solid.signed_distance(place);
+            let mut making = Making {
+                solid,
+                target,
+                pair,
+                frame,
+                touches,
+                site,
             };
-            add(i, target, row, site);
-        }
+            making.node(i, place, found);
+            found.0
+        });
     }
 
     /// Remembers which nodes touch, after the rows have been solved.
@@ -128,12 +63,72 @@ impl SolidNodes {
         &self,
         solid: &Solid,
         state: &State<Real>,
-        frame: &Frame,
+        (frame, way): (&Frame, f64),
         distance: f64,
     ) -> bool {
-        self.near
-            .iter()
-            .any(|&i| solid.signed_distance(frame.to_local(state, i)).0 < distance)
+        let is_near = |i| solid.signed_distance(frame.to_local(state, i)).0 < distance;
+        self.nodes.within(way, distance).any(is_near)
+    }
+}
+
+/// The rows of nodes, in the making.
+struct Making<'a, 's> {
+    solid: &'a Solid,
+    target: &'a Target,
+    pair: u32,
+    frame: &'a Frame,
+    touches: &'a mut Touches,
+    site: &'a mut Site<'s>,
+}
+
+impl Making<'_, '_> {
+    /// The row of a node at a place of the collider's frame, at this distance and with this normal, if it can touch.
+    fn node(&mut self, i: u32, place: DVec3, (distance, mut normal): (f64, DVec3)) {
+        let Self {
+            solid,
+            target,
+            frame,
+            ref mut site,
+            ..
+        } = *self;
+        let mut depth = target.skin - distance;
+        let arm = frame.axes * place + (frame.position - site.shadow.com);
+        let slip = site.side.state.velocity(i as usize) - site.shadow.velocity_at(arm);
+        if depth < -site.reach.farthest || depth < -site.reach.at(slip.length()) {
+            return;
+        }
+        let key = [0, i, 0];
+        let last = self.touches.last(key);
+        let fresh = last.is_none_or(|(before, _)| normal.dot(before) < SAME);
+        if fresh && depth < site.reach.touching {
+            let motion = frame.axes.transpose() * slip * site.reach.h;
+            if misses(solid, place, motion, -depth, normal, &site.reach) {
+                return;
+            }
+        }
+        if let Some((before, _)) = last
+            && depth > 0.0
+            && normal.dot(before) < 0.0
+            && let Some(back) = solid.depth_along(place, before)
+        {
+            // Squeezed past the middle of a thin solid: it goes back to where it came from.
+            (depth, normal) = (target.skin + back, before);
+        }
+        let hold = last.and_then(|(_, hold)| hold).unwrap_or(Hold {
+            weights: [1.0, 0.0, 0.0, 0.0],
+            anchor: place,
+            drift: DVec3::ZERO,
+        });
+        self.touches
+            .found(key, site.rows.contacts.len(), normal, hold);
+        let row = Row {
+            normal: frame.axes * normal,
+            depth,
+            arm,
+            drift: frame.axes * along(place - hold.anchor, normal),
+            ..target.row(Default::default(), self.pair, site.reach.h)
+        };
+        add(i, target, row, site);
     }
 }
 

@@ -72,6 +72,18 @@ impl Touches {
         self.kept.binary_search_by_key(&key, |t| t.key).is_ok()
     }
 
+    /// The keys that begin like this of points that touched last.
+    pub fn known(&self, first: u32) -> impl Iterator<Item = Key> {
+        let i = self.kept.partition_point(|t| t.key[0] < first);
+        let kept = self.kept[i..].iter().map(|t| t.key);
+        kept.take_while(move |key| key[0] == first)
+    }
+
+    /// Whether any point whose key begins and ends like this touched last.
+    pub fn knows_last(&self, first: u32, last: u32) -> bool {
+        self.known(first).any(|key| key[2] == last)
+    }
+
     /// Whether any point whose key begins like this touched last.
     pub fn knows(&self, [first, second]: [u32; 2]) -> bool {
         let i = self.kept.partition_point(|t| t.key < [first, second, 0]);

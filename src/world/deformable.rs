@@ -44,6 +44,8 @@ pub struct Deformable {
     pub(super) start: Start,
     /// How often nodes were moved from outside: what contact remembers of them is void then.
     pub(super) edits: u64,
+    /// A bound on how far any node moved in the last substep \[m\].
+    pub(super) moved: f64,
     /// The work done until then.
     pub(super) work_backup: Work,
     pub(super) h: f64,

@@ -123,6 +123,8 @@ impl Deformable {
         let led = std::mem::take(&mut self.led);
         if self.is_enabled() {
             for (node, target) in led {
+                let way = self.state.position(node as usize).distance(target);
+                self.moved += way;
                 self.state.set_position(node as usize, target);
                 self.state.set_velocity(node as usize, DVec3::ZERO);
             }

@@ -38,6 +38,8 @@ pub(super) struct Group {
     node_impulses: Option<Vec<NodeImpulse>>,
     pub tied: Vec<AttachmentImpulse>,
     pub rows: Rows,
+    /// Where free motion took the nodes of rows, in the frames of their bodies \[m\].
+    places: Vec<DVec3>,
 }
 
 /// Distance within which a node counts as near a sleeping body, in length units.
@@ -71,6 +73,7 @@ impl Group {
             node_impulses: None,
             tied: Vec::new(),
             rows: Rows::default(),
+            places: Vec::new(),
         }
     }
 
@@ -123,8 +126,10 @@ impl Group {
         self.read_free_velocities(h);
         self.rows.solve(&mut self.shadows, h, s.passes, reversed);
         self.remember(s);
+        self.note_places();
         self.write_velocities(h);
         self.push_out(h, s);
+        self.note_ways(h);
         self.list_node_impulses(observer.wants_node_impulses());
         self.book_work();
         self.book_ties(h, time);
@@ -150,13 +155,13 @@ impl Group {
             let speed = f64::from(body.solver.speed_squared).sqrt();
             for c in candidates.iter_mut() {
                 let shadow = &self.shadows[c.target.shadow as usize];
-                let moved = h * (speed + c.target.speed(shadow));
+                let closing = h * (speed + c.target.speed(shadow));
                 let slack = h * s.length_unit;
                 let reach = Reach {
                     h,
                     touching: s.touching,
                     slack,
-                    farthest: s.touching + slack + 2.0 * moved,
+                    farthest: s.touching + slack + 2.0 * closing,
                 };
                 let site = Site {
                     side: Side {
@@ -169,7 +174,7 @@ impl Group {
                     rows: &mut self.rows,
                     reach,
                 };
-                c.find_rows(site, moved, s.near);
+                c.find_rows(site, body.moved, closing, s.near);
             }
         }
         for encounter in &mut self.encounters {
@@ -206,6 +211,41 @@ impl Group {
         }
         for (_, body) in &mut self.members {
             body.move_anew(h);
+        }
+    }
+
+    /// Where free motion took the nodes of rows.
+    fn note_places(&mut self) {
+        let Self {
+            rows,
+            members,
+            places,
+            ..
+        } = self;
+        let place = |n: &RowNode| members[n.body as usize].1.state.local(n.node as usize);
+        places.clear();
+        places.extend(rows.nodes.iter().map(place));
+    }
+
+    /// How far every body has moved in the substep at most: what it moved freely, and what rows did to its nodes.
+    fn note_ways(&mut self, h: f64) {
+        for (_, body) in &mut self.members {
+            body.moved = 0.0;
+        }
+        for (node, place) in self.rows.nodes.iter().zip(&self.places) {
+            let body = &mut self.members[node.body as usize].1;
+            let shift = body.state.local(node.node as usize).distance(*place);
+            body.moved = body.moved.max(shift);
+        }
+        for (_, body) in &mut self.members {
+            let speed = f64::from(body.solver.speed_squared).sqrt();
+            // Where a node does not move at its last velocity, the mean is between that and the one before.
+            let mean = if body.integrator().takes_late_impulses() {
+                1.0 + 1e-6
+            } else {
+                2.0
+            };
+            body.moved += mean * h * speed;
         }
     }
 
@@ -397,7 +437,8 @@ impl Group {
                 let Some(i) = (c.target.shadow as usize).checked_sub(1) else {
                     continue;
                 };
-                near[i] = near[i] || c.any_within(&body.state, &self.shadows[i + 1], distance);
+                near[i] = near[i]
+                    || c.any_within(&body.state, &self.shadows[i + 1], body.moved, distance);
             }
         }
         for a in self.attachments.iter().filter(|a| !a.bond.is_broken()) {

@@ -143,15 +143,6 @@ impl Compound {
         }
     }
 
-    /// Whether any part has an edge in the box.
-    pub fn has_edges_in(&self, lo: DVec3, hi: DVec3) -> bool {
-        self.parts.iter().any(|part| {
-            let back = part.axes.transpose();
-            let (lo, hi) = turned(&back, -(back * part.position), (lo, hi));
-            part.solid.has_edges_in(lo, hi)
-        })
-    }
-
     /// The first entry into any part; `None` from inside one.
     pub fn cast(&self, a: DVec3, b: DVec3) -> Option<(f64, DVec3)> {
         let (low, high) = (a.min(b), a.max(b));

@@ -24,9 +24,25 @@ const LEAN: f64 = 0.05;
 
 impl Solid {
     /// Calls `found` for the crossings of the segment `a`–`b` \[m\] with the edges of a convex solid, in the order of the
-    /// edges. Balls and capsules have none, nor have the mantles of cylinders and cones.
-    pub fn for_each_crossing(&self, a: DVec3, b: DVec3, found: &mut dyn FnMut(Crossing)) {
+    /// edges; straight edges more than `within` m away may be left out. Balls and capsules have none, nor have the mantles
+    /// of cylinders and cones.
+    pub fn for_each_crossing(
+        &self,
+        a: DVec3,
+        b: DVec3,
+        within: f64,
+        found: &mut dyn FnMut(Crossing),
+    ) {
         let mut edge = 0;
+        let margin = DVec3::splat(within + self.radius);
+        let (lo, hi) = (a.min(b) - margin, a.max(b) + margin);
+        let straight = |[p, q]: [DVec3; 2], normals: [DVec3; 2]| {
+            let apart = p.max(q).cmplt(lo) | p.min(q).cmpgt(hi);
+            if apart.any() {
+                return None;
+            }
+            cross([a, b], [p, q], normals)
+        };
         let mut give = |meeting: Option<(f64, DVec3, f64)>| {
             if let Some((t, normal, distance)) = meeting {
                 found(Crossing {
@@ -41,11 +57,11 @@ impl Solid {
         match &self.core {
             Core::Cuboid(half) => {
                 for (ends, normals) in (0..12).map(|i| cuboid_edge(i, *half)) {
-                    give(cross([a, b], ends, normals));
+                    give(straight(ends, normals));
                 }
             }
             Core::Hull(hull) => {
-                hull.for_each_edge(&mut |ends, normals| give(cross([a, b], ends, normals)));
+                hull.for_each_edge(&mut |ends, normals| give(straight(ends, normals)));
             }
             Core::Cylinder(half_height, radius) => {
                 for side in [-1.0, 1.0] {
@@ -79,6 +95,12 @@ impl Solid {
             | Core::Compound(_)
             | Core::Voxels(_) => {}
         }
+    }
+
+    /// Whether it has rims. A segment crosses one where it is as far from the axis, which may be away from where it comes
+    /// nearest.
+    pub fn has_rim(&self) -> bool {
+        matches!(self.core, Core::Cylinder(..) | Core::Cone(..))
     }
 
     /// Whether a convex solid has a round side that a segment can touch between edges: that of a ball, a capsule, a cylinder
@@ -177,7 +199,7 @@ mod tests {
         let (a, b) = (DVec3::from_array(a), DVec3::from_array(b));
         Solid::of(&**shape)
             .unwrap()
-            .for_each_crossing(a, b, &mut |c| found.push(c));
+            .for_each_crossing(a, b, 1.0, &mut |c| found.push(c));
         found
     }
 

@@ -2,6 +2,7 @@
 
 use super::{Core, Solid, primitive};
 use crate::math::DVec3;
+use std::f64::consts::SQRT_2;
 
 impl Solid {
     /// Appends the points of a convex solid \[m\] that a flat face can touch first, `normal` being the unit normal from the
@@ -34,43 +35,46 @@ impl Solid {
         }
     }
 
-    /// Whether the box from `lo` to `hi` \[m\] may hold anything of the surface but one flat face: a corner, an edge or a
-    /// curved part. A cheap test that errs towards yes; the middle of a large floor has none, a half-space never.
-    pub fn has_edges_in(&self, lo: DVec3, hi: DVec3) -> bool {
+    /// How far the box from `lo` to `hi` must grow, at least, before it can hold anything of the surface of a convex solid
+    /// but one flat face: a corner, an edge or a curved part \[m\]. Not positive where it may hold some already; the middle
+    /// of a large floor is far from any, a half-space for ever.
+    pub fn edges_apart(&self, lo: DVec3, hi: DVec3) -> f64 {
         // A grown edge stays within the radius of the sharp one.
         let (lo, hi) = (
             lo - DVec3::splat(self.radius),
             hi + DVec3::splat(self.radius),
         );
-        let meets = |low: DVec3, high: DVec3| lo.cmple(high).all() && hi.cmpge(low).all();
+        let apart = |low: DVec3, high: DVec3| (lo - high).max(low - hi).max_element();
+        let round = |half_height: f64, radius: f64| {
+            let reach = DVec3::new(radius, half_height, radius);
+            apart(-reach, reach)
+        };
         match &self.core {
-            Core::Point => meets(DVec3::ZERO, DVec3::ZERO),
-            Core::Segment(a, b) => meets(a.min(*b), a.max(*b)),
+            Core::Point => apart(DVec3::ZERO, DVec3::ZERO),
+            Core::Segment(a, b) => apart(a.min(*b), a.max(*b)),
             Core::Cuboid(half) => {
-                // Any face but one that the box reaches through makes an edge.
-                let through = |low: f64, high: f64, half: f64| low <= -half || high >= half;
-                let reached = [
-                    through(lo.x, hi.x, half.x),
-                    through(lo.y, hi.y, half.y),
-                    through(lo.z, hi.z, half.z),
-                ];
-                meets(-*half, *half) && reached.iter().filter(|r| **r).count() > 1
+                // A face that the box reaches through makes an edge with the next one.
+                let through = (lo + *half).min(*half - hi);
+                let [x, y, z] = through.to_array();
+                let second = x.max(y).min(y.max(z)).min(z.max(x));
+                apart(-*half, *half).max(second)
             }
             Core::Cylinder(half_height, radius) => {
-                let reach = DVec3::new(*radius, *half_height, *radius);
-                meets(-reach, reach) && farthest_from_axis(lo, hi) >= *radius
+                // A corner moves away from the axis by √2 of what its coordinates grow.
+                let inside = (radius - farthest_from_axis(lo, hi)) / SQRT_2;
+                round(*half_height, *radius).max(inside)
             }
             Core::Cone(half_height, radius) => {
-                let reach = DVec3::new(*radius, *half_height, *radius);
-                let top = DVec3::new(farthest_from_axis(lo, hi), hi.y, 0.0);
                 // Below the mantle with its highest and outermost point: only the base is left.
-                meets(-reach, reach)
-                    && (top.x - radius) * 2.0 * half_height + (top.y + half_height) * radius >= 0.0
+                let height = 2.0 * half_height;
+                let out = farthest_from_axis(lo, hi) - radius;
+                let over = out * height + (hi.y + half_height) * radius;
+                let growth = (SQRT_2 * height + radius).max(f64::MIN_POSITIVE);
+                round(*half_height, *radius).max(-over / growth)
             }
-            Core::HalfSpace(_) => false,
-            Core::Hull(hull) => hull.has_edges_in(lo, hi),
-            Core::Compound(compound) => compound.has_edges_in(lo, hi),
-            Core::Voxels(grid) => grid.has_edges_in(lo, hi),
+            Core::Hull(hull) => hull.edges_apart(lo, hi),
+            Core::HalfSpace(_) => f64::INFINITY,
+            Core::Compound(_) | Core::Voxels(_) => f64::NEG_INFINITY,
         }
     }
 }

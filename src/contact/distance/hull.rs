@@ -304,19 +304,21 @@ impl Hull {
         best
     }
 
-    /// Whether more than one face reaches into a box that is not wholly outside. Errs towards yes.
-    pub fn has_edges_in(&self, lo: DVec3, hi: DVec3) -> bool {
+    /// How far a box must grow, at least, until more than one face reaches into it and it is not wholly outside \[m\].
+    pub fn edges_apart(&self, lo: DVec3, hi: DVec3) -> f64 {
         let (centre, half) = (0.5 * (lo + hi), 0.5 * (hi - lo));
-        let mut reached = 0;
+        let mut apart = f64::NEG_INFINITY;
+        let (mut first, mut second) = (f64::INFINITY, f64::INFINITY);
         for face in &self.faces {
-            let height = face.height(centre);
-            let reach = face.normal.abs().dot(half);
-            if height > reach {
-                return false;
-            }
-            reached += u32::from(height >= -reach);
+            let (height, slope) = (face.height(centre), face.normal.abs());
+            let reach = slope.dot(half);
+            // A corner rises over the face by at most this for every metre.
+            let rise = slope.element_sum();
+            apart = apart.max((height - reach) / rise);
+            let below = (-height - reach) / rise;
+            (first, second) = (first.min(below), second.min(below.max(first)));
         }
-        reached > 1
+        apart.max(second)
     }
 
     /// Least distance between two parallel planes that hold the hull: over its faces, and for few edges over pairs of

@@ -373,30 +373,4 @@ impl Grid {
         }
         None
     }
-
-    /// Whether a box meets a cell with free faces along two axes. Errs towards yes where the box holds many cells.
-    pub fn has_edges_in(&self, lo: DVec3, hi: DVec3) -> bool {
-        let (lo, hi) = (lo.max(self.lo), hi.min(self.hi));
-        if !lo.cmple(hi).all() {
-            return false;
-        }
-        let (first, last) = (
-            (lo / self.cell).floor().as_ivec3(),
-            (hi / self.cell).floor().as_ivec3(),
-        );
-        let size = (last - first).as_dvec3() + DVec3::ONE;
-        if size.element_product() > 1000.0 {
-            return true;
-        }
-        let free = |near: u32, axis: IVector| near & bit(axis) == 0 || near & bit(-axis) == 0;
-        (first.x..=last.x).any(|x| {
-            (first.y..=last.y).any(|y| {
-                (first.z..=last.z).any(|z| {
-                    let near = self.near(IVector::new(x, y, z));
-                    let axes = [IVector::X, IVector::Y, IVector::Z];
-                    near & SELF != 0 && axes.into_iter().filter(|&a| free(near, a)).count() > 1
-                })
-            })
-        })
-    }
 }

@@ -1,6 +1,6 @@
 //! The rows of faces and edges of one body against one convex part.
 
-use super::Part;
+use super::part::Convex;
 use super::patch::Patch;
 use crate::contact::distance::Crossing;
 use crate::contact::site::{Site, slot};
@@ -50,10 +50,12 @@ impl Met {
 pub(super) struct Making<'a, 's> {
     pub target: &'a Target,
     pub pair: u32,
-    pub part: &'a Part,
+    pub part: &'a Convex,
     pub frame: Frame,
     pub site: &'a mut Site<'s>,
     pub touches: &'a mut Touches,
+    /// How far anything can be from an edge of the part and still matter \[m\].
+    pub near: f64,
 }
 
 /// A point of a face or an edge that meets the part, in the part's frame.
@@ -67,30 +69,46 @@ struct Point<'a> {
 
 impl Making<'_, '_> {
     /// Collects the points of the part that meet a face. Of a closed surface the outside is that of its winding; of an open
-    /// one the side on which the middle of the part is.
-    pub(super) fn meet(&mut self, f: u32, points: &mut Vec<DVec3>, met: &mut Vec<Met>) {
+    /// one the side on which the middle of the part is. Returns how far the face is from any, or less \[m\].
+    pub(super) fn meet(
+        &mut self,
+        p: u32,
+        f: u32,
+        points: &mut Vec<DVec3>,
+        met: &mut Vec<Met>,
+    ) -> f64 {
         let side = self.site.side;
         let nodes = side.topology.faces[f as usize].nodes();
         let local = nodes.iter().map(|&i| self.frame.to_local(side.state, i));
         let patch = Patch::new(local);
+        let apart = self.edges_apart(patch.corners());
+        if apart > self.near && !self.touches.knows_last(p, f) {
+            return apart;
+        }
         let (middle, radius) = patch.ball();
-        if self.is_far(middle, radius) {
-            return;
+        let away = self.part.solid.signed_distance(middle).0 - radius;
+        if away > self.target.skin + self.site.reach.farthest {
+            return apart.max(away);
         }
         let Some(mut n) = patch.normal() else {
-            return;
+            return apart;
         };
         if (self.part.centre - patch.corners()[0]).dot(n) < 0.0 {
             if side.topology.closed {
-                return;
+                return apart;
             }
             n = -n;
         }
-        let deepest = self.target.skin + 0.5 * side.topology.spacing;
+        let deepest = self.deepest_point();
+        let most = radius + self.near.max(deepest);
+        let before = met.len();
         points.clear();
         self.part.solid.feature_points(n, points);
         for (i, &point) in (0..).zip(points.iter()) {
-            // A bound first: most points are far from most faces.
+            // Bounds first: most points are far from most faces.
+            if point.distance_squared(middle) > most * most {
+                continue;
+            }
             let height = (point - patch.corners()[0]).dot(n);
             if height > self.target.skin + self.site.reach.farthest + side.topology.spacing {
                 continue;
@@ -116,12 +134,31 @@ impl Making<'_, '_> {
                 });
             }
         }
+        // What touches may be deeper next time.
+        if met.len() > before { 0.0 } else { apart }
     }
 
-    /// Whether nothing within a ball can touch in this substep: lists are wide.
-    fn is_far(&self, middle: DVec3, radius: f64) -> bool {
-        let (distance, _) = self.part.solid.signed_distance(middle);
-        distance > radius + self.target.skin + self.site.reach.farthest
+    /// How far a face or an edge is from any edge of the part, or less \[m\].
+    fn edges_apart(&self, corners: &[DVec3]) -> f64 {
+        let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let corners = corners.iter();
+        let (lo, hi) = corners.fold(start, |(lo, hi), c| (lo.min(*c), hi.max(*c)));
+        self.part.solid.edges_apart(lo, hi)
+    }
+
+    /// How deep a point of the part can be behind a face and still belong to it \[m\].
+    pub(super) fn deepest_point(&self) -> f64 {
+        self.target.skin + 0.5 * self.site.side.topology.spacing
+    }
+
+    /// Whether a point that touched last has not been met where it may get a row.
+    pub(super) fn misses_some(&self, p: u32, met: &[Met]) -> bool {
+        let is_met = |point: u32| {
+            let met = met.iter().filter(|m| m.point == point);
+            let mut met = met.map(|m| m.shallow || self.touches.touched([p, point, m.face]));
+            met.any(|is| is)
+        };
+        self.touches.known(p).any(|[_, point, _]| !is_met(point))
     }
 
     /// The rows of one point of the part. A point that is deep below a face has come in through another one, unless it was
@@ -160,15 +197,33 @@ impl Making<'_, '_> {
     }
 
     /// An edge against the part: where it crosses the part's edges, and where it comes nearest to a round side.
-    pub(super) fn edge(&mut self, p: u32, e: u32) {
+    /// Returns how far it is from any of them, or less \[m\].
+    pub(super) fn edge(&mut self, p: u32, e: u32) -> f64 {
         let nodes = self.site.side.topology.edges[e as usize];
         let corners = nodes.map(|node| self.frame.to_local(self.site.side.state, node));
         let [a, b] = corners;
-        if self.is_far(0.5 * (a + b), 0.5 * a.distance(b)) {
-            return;
+        let apart = if self.part.solid.has_rim() {
+            f64::NEG_INFINITY
+        } else {
+            self.edges_apart(&corners)
+        };
+        let known = self.touches.knows([p, e]);
+        if apart > self.near && !known {
+            return apart;
         }
         let part = self.part;
+        let away = part.solid.signed_distance(0.5 * (a + b)).0 - 0.5 * a.distance(b);
+        let apart = apart.max(away);
+        if away > self.target.skin + self.site.reach.farthest {
+            return apart;
+        }
         let deepest = self.target.skin + 0.5 * part.solid.width();
+        let most = if known {
+            self.near.max(deepest)
+        } else {
+            self.near
+        };
+        let before = self.site.rows.contacts.len();
         let mut cross = |c: Crossing| {
             let depth = self.target.skin - c.distance;
             if depth < -self.site.reach.farthest || depth > deepest {
@@ -193,7 +248,7 @@ impl Making<'_, '_> {
                 self.add(key, point);
             }
         };
-        part.solid.for_each_crossing(a, b, &mut cross);
+        part.solid.for_each_crossing(a, b, most, &mut cross);
         if part.solid.has_round_side() {
             let (t, distance, normal) = part.solid.nearest_on_segment(a, b);
             if t > 0.0 && t < 1.0 {
@@ -204,6 +259,12 @@ impl Making<'_, '_> {
                     distance,
                 });
             }
+        }
+        // What touches may be deeper next time.
+        if self.site.rows.contacts.len() > before {
+            0.0
+        } else {
+            apart
         }
     }
 

@@ -5,19 +5,20 @@
 //! points that touch are inside faces and edges, and a row acts on their nodes by barycentric weights. Points of the solid
 //! against faces and edges of the deformable against the solid, which is convex or a union of convex parts, are all there
 //! is besides node against solid. A solid that shows the body nothing but a flat face, like a floor, costs one test of a
-//! box.
+//! box, and what is far from edges is not looked at until it has moved.
 
 mod making;
+mod part;
 mod patch;
 
 use super::distance::Solid;
-use super::site::{Side, Site};
+use super::site::Site;
 use super::target::{Frame, Target};
 use super::touches::Touches;
-use crate::body::topology::{Face, Topology};
-use crate::math::{DMat3, DQuat, DVec3};
+use crate::math::DVec3;
 use crate::solve::rows::Rows;
 use making::{Making, Met};
+use part::Part;
 
 /// A convex part rounder than this many spacings needs no feature contacts: an edge dips into it by a fiftieth of its length.
 const ROUND: f64 = 6.0;
@@ -26,47 +27,10 @@ const ROUND: f64 = 6.0;
 #[derive(Clone, Debug)]
 pub struct Features {
     parts: Vec<Part>,
-    /// Part and face.
-    faces: Vec<(u32, u32)>,
-    /// Part and edge.
-    edges: Vec<(u32, u32)>,
-    /// How far things may still move before the lists are stale \[m\].
-    budget: f64,
     points: Vec<DVec3>,
     met: Vec<Met>,
     on_faces: Touches,
     on_edges: Touches,
-}
-
-/// A convex part in the collider's frame.
-#[derive(Clone, Debug)]
-struct Part {
-    offset: DVec3,
-    turn: DQuat,
-    solid: Solid,
-    /// Centre of its box, in its own frame.
-    centre: DVec3,
-}
-
-impl Part {
-    fn frame(&self, collider: &Frame) -> Frame {
-        Frame {
-            position: collider.position + collider.axes * self.offset,
-            axes: collider.axes * DMat3::from_quat(self.turn),
-        }
-    }
-
-    /// A box of the collider's frame, wider by `margin` m, in its own.
-    fn bounds(&self, (lo, hi): (DVec3, DVec3), margin: f64) -> (DVec3, DVec3) {
-        let axes = DMat3::from_quat(self.turn).transpose();
-        let (middle, half) = (0.5 * (lo + hi), 0.5 * (hi - lo));
-        let middle = axes * (middle - self.offset);
-        let half = axes.x_axis.abs() * half.x
-            + axes.y_axis.abs() * half.y
-            + axes.z_axis.abs() * half.z
-            + margin;
-        (middle - half, middle + half)
-    }
 }
 
 impl Features {
@@ -76,19 +40,11 @@ impl Features {
         solid.for_each_convex(&mut |offset, turn, part| {
             let (lo, hi) = part.bounds();
             if (hi - lo).is_finite() && part.edge_radius() < ROUND * spacing {
-                parts.push(Part {
-                    offset,
-                    turn,
-                    solid: part.clone(),
-                    centre: 0.5 * (lo + hi),
-                });
+                parts.push(Part::new(offset, turn, part.clone()));
             }
         });
         (!parts.is_empty()).then_some(Self {
             parts,
-            faces: Vec::new(),
-            edges: Vec::new(),
-            budget: -1.0,
             points: Vec::new(),
             met: Vec::new(),
             on_faces: Touches::default(),
@@ -96,9 +52,9 @@ impl Features {
         })
     }
 
-    /// Uses up the budget by what has moved \[m\] besides the substeps.
-    pub fn spend(&mut self, moved: f64) {
-        self.budget -= moved;
+    /// Forgets all distances.
+    pub fn reset(&mut self) {
+        self.parts.iter_mut().for_each(Part::reset);
     }
 
     /// Forgets what touches.
@@ -113,89 +69,72 @@ impl Features {
         self.on_edges.end(rows, touching);
     }
 
-    /// Makes the lists anew when they might lack something within `farthest` m; see `Candidates::refresh`.
-    pub fn refresh(&mut self, side: Side, collider: &Frame, moved: f64, farthest: f64) {
-        self.budget -= moved;
-        if self.budget >= farthest {
-            return;
-        }
-        let margin = 4.0 * farthest + 100.0 * moved;
-        self.budget = margin;
-        self.faces.clear();
-        self.edges.clear();
-        let Topology { faces, edges, .. } = side.topology;
-        let body = bounds(side, collider);
-        for (p, part) in (0..).zip(&self.parts) {
-            let (lo, hi) = part.bounds(body, margin);
-            if !part.solid.has_edges_in(lo, hi) {
-                continue;
-            }
-            let frame = part.frame(collider);
-            let local = |node: u32| frame.to_local(side.state, node);
-            let near =
-                |middle: DVec3, radius: f64| part.solid.signed_distance(middle).0 < radius + margin;
-            let face = |face: &Face| {
-                let nodes = face.nodes();
-                let sum: DVec3 = nodes.iter().map(|&i| local(i)).sum();
-                let middle = sum / nodes.len() as f64;
-                let radius = nodes.iter().map(|&i| local(i).distance(middle));
-                near(middle, radius.fold(0.0, f64::max))
-            };
-            let edge = |nodes: &[u32; 2]| {
-                let [a, b] = nodes.map(local);
-                near(0.5 * (a + b), 0.5 * (a - b).length())
-            };
-            let chosen = (0..).zip(faces).filter(|(_, nodes)| face(nodes));
-            self.faces.extend(chosen.map(|(f, _)| (p, f)));
-            let chosen = (0..).zip(edges).filter(|(_, nodes)| edge(nodes));
-            self.edges.extend(chosen.map(|(e, _)| (p, e)));
-        }
-    }
-
-    /// Adds the rows of faces and edges.
-    pub fn add_rows(&mut self, target: &Target, pair: u32, collider: &Frame, site: &mut Site) {
+    /// Adds the rows of faces and edges; `way` is how far body and collider have moved in all \[m\].
+    pub fn add_rows(
+        &mut self,
+        target: &Target,
+        pair: u32,
+        collider: &Frame,
+        site: &mut Site,
+        way: f64,
+    ) {
         self.on_faces.begin();
-        for faces in self.faces.chunk_by(|a, b| a.0 == b.0) {
-            let p = faces[0].0;
-            let part = &self.parts[p as usize];
+        self.on_edges.begin();
+        // Rows made points faster since the reach was found, at most as fast again.
+        let near = target.skin + 2.0 * site.reach.farthest;
+        let mut bounds = None;
+        for part in &mut self.parts {
+            let mut bounds = || *bounds.get_or_insert_with(|| site.side.bounds(collider));
+            part.awake(&mut bounds, way, near);
+        }
+        for (p, part) in (0..)
+            .zip(&mut self.parts)
+            .filter(|(_, part)| part.is_awake())
+        {
             let mut making = Making {
                 target,
                 pair,
-                part,
-                frame: part.frame(collider),
+                part: &part.convex,
+                frame: part.convex.frame(collider),
                 site,
                 touches: &mut self.on_faces,
+                near,
             };
-            self.met.clear();
-            for &(_, f) in faces {
-                making.meet(f, &mut self.points, &mut self.met);
+            let count = making.site.side.topology.faces.len();
+            let (points, met) = (&mut self.points, &mut self.met);
+            let mut look = |making: &mut Making, met: &mut Vec<Met>| {
+                met.clear();
+                let reach = (making.near, near);
+                part.faces
+                    .visit(count, way, reach, |f| making.meet(p, f, points, met));
+                met.sort_unstable_by_key(|m| (m.point, m.face));
+            };
+            look(&mut making, met);
+            if making.misses_some(p, met) {
+                // A point that was known may have come deep under another face.
+                making.near = near.max(making.deepest_point());
+                look(&mut making, met);
             }
-            self.met.sort_unstable_by_key(|m| (m.point, m.face));
-            for met in self.met.chunk_by(|a, b| a.point == b.point) {
+            for met in met.chunk_by(|a, b| a.point == b.point) {
                 making.point(p, met);
             }
         }
-        self.on_edges.begin();
-        for &(p, e) in &self.edges {
-            let part = &self.parts[p as usize];
-            Making {
+        for (p, part) in (0..)
+            .zip(&mut self.parts)
+            .filter(|(_, part)| part.is_awake())
+        {
+            let mut making = Making {
                 target,
                 pair,
-                part,
-                frame: part.frame(collider),
+                part: &part.convex,
+                frame: part.convex.frame(collider),
                 site,
                 touches: &mut self.on_edges,
-            }
-            .edge(p, e);
+                near,
+            };
+            let count = making.site.side.topology.edges.len();
+            let reach = (near, near);
+            part.edges.visit(count, way, reach, |e| making.edge(p, e));
         }
     }
-}
-
-/// The box of a body in a frame \[m\].
-fn bounds(side: Side, frame: &Frame) -> (DVec3, DVec3) {
-    (0..side.state.particles.len() as u32)
-        .map(|node| frame.to_local(side.state, node))
-        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), x| {
-            (lo.min(x), hi.max(x))
-        })
 }

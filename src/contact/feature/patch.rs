@@ -85,7 +85,7 @@ impl Patch {
     fn on_quad(&self, p: DVec3, n: DVec3) -> Option<Foot> {
         let [a, b, c, d] = self.corners;
         let (mut u, mut v) = (0.5, 0.5);
-        let mut foot = None;
+        let mut last = None;
         for _ in 0..6 {
             let along_u = (b - a) * (1.0 - v) + (c - d) * v;
             let along_v = (d - a) * (1.0 - u) + (c - b) * u;
@@ -93,11 +93,7 @@ impl Patch {
             let point = a * weights[0] + b * weights[1] + c * weights[2] + d * weights[3];
             let normal = along_u.cross(along_v);
             let area = normal.dot(n);
-            foot = Some(Foot {
-                weights,
-                point,
-                normal: normal.try_normalize()?,
-            });
+            last = Some((weights, point, normal));
             // Folded over.
             if area <= 0.0 || area.is_nan() {
                 return None;
@@ -112,7 +108,13 @@ impl Patch {
             }
             (u, v) = (u + du, v + dv);
         }
-        foot.filter(|foot| self.inside(foot.weights))
+        let (weights, point, normal) = last?;
+        let normal = normal.try_normalize()?;
+        self.inside(weights).then_some(Foot {
+            weights,
+            point,
+            normal,
+        })
     }
 
     fn inside(&self, weights: [f64; 4]) -> bool {

@@ -74,7 +74,7 @@ fn shapes_without_extent_and_points_that_are_none_are_answered() {
                 let _ = solid.cast(p, DVec3::ZERO);
                 let _ = solid.cast(DVec3::ONE * 3.0, p);
                 let _ = solid.nearest_on_segment(p, DVec3::ONE);
-                let _ = solid.has_edges_in(p, p);
+                let _ = solid.edges_apart(p, p);
                 let _ = solid.depth_along(p, p);
                 solid.feature_points(p, &mut Vec::new());
             }

@@ -173,11 +173,16 @@ fn supports_and_boxes_hold_the_surface() {
                 let beside = solid.signed_distance(p + random.vector() * 1e-4).1;
                 if (beside - n).length() > 1e-7 {
                     let probe = DVec3::splat(1e-3);
-                    assert!(solid.has_edges_in(on - probe, on + probe), "{name} at {on}");
+                    let apart = |from: DVec3| solid.edges_apart(from - probe, from + probe);
+                    assert!(apart(on) <= 0.0, "{name} at {on}");
+                    // A box elsewhere meets it by growing that much, and not before.
+                    let from = random.vector() * 2.0;
+                    let needed = (on - from).abs().max_element() - probe.x;
+                    assert!(apart(from) <= needed + 1e-9, "{name} at {on} from {from}");
                 }
             }
         }
-        assert!(!solid.has_edges_in(hi * 2.0, hi * 3.0), "{name}");
+        assert!(solid.edges_apart(hi * 2.0, hi * 3.0) > 0.0, "{name}");
     }
 }
 
@@ -189,19 +194,15 @@ fn the_middle_of_a_floor_has_no_edges() {
     let hull: Vec<Vector> = (0..8)
         .map(|i| super::super::edges::corner(i).as_vec3() * Vector::new(5.0, 0.5, 5.0))
         .collect();
-    let floor: Vec<_> = (-50..50)
-        .flat_map(|x| (-50..50).map(move |z| rapier3d::math::IVector::new(x, 4, z)))
-        .collect();
     for shape in [
         SharedShape::cuboid(5.0, 0.5, 5.0),
         SharedShape::cylinder(0.5, 5.0),
         SharedShape::convex_hull(&hull).unwrap(),
-        SharedShape::voxels(Vector::splat(0.1), &floor),
     ] {
         let solid = Solid::of(&*shape).unwrap();
-        assert!(!solid.has_edges_in(middle.0, middle.1), "{solid:?}");
-        assert!(solid.has_edges_in(edge.0, edge.1), "{solid:?}");
+        assert!(solid.edges_apart(middle.0, middle.1) > 1.0, "{solid:?}");
+        assert!(solid.edges_apart(edge.0, edge.1) <= 0.0, "{solid:?}");
     }
     let ground = Solid::of(&*SharedShape::halfspace(Vector::Y)).unwrap();
-    assert!(!ground.has_edges_in(-DVec3::ONE, DVec3::ONE));
+    assert_eq!(ground.edges_apart(-DVec3::ONE, DVec3::ONE), f64::INFINITY);
 }

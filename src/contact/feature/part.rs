@@ -1,0 +1,96 @@
+//! A convex part of a target, and what of a body may come near its corners, edges and curved parts.
+
+use crate::contact::distance::Solid;
+use crate::contact::target::Frame;
+use crate::contact::watch::Watch;
+use crate::math::{DMat3, DQuat, DVec3};
+
+/// A convex part and what is watched of a body.
+#[derive(Clone, Debug)]
+pub(super) struct Part {
+    pub convex: Convex,
+    pub faces: Watch,
+    pub edges: Watch,
+    state: Waking,
+}
+
+/// Whether anything is watched at all: the middle of a large floor has nothing that faces and edges could miss.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Waking {
+    /// Until the way at which the body may come near any edge \[m\].
+    Asleep(f64),
+    Awake,
+}
+
+/// A convex solid in the collider's frame.
+#[derive(Clone, Debug)]
+pub(super) struct Convex {
+    offset: DVec3,
+    turn: DQuat,
+    pub solid: Solid,
+    /// Centre of its box, in its own frame.
+    pub centre: DVec3,
+}
+
+impl Convex {
+    pub fn frame(&self, collider: &Frame) -> Frame {
+        Frame {
+            position: collider.position + collider.axes * self.offset,
+            axes: collider.axes * DMat3::from_quat(self.turn),
+        }
+    }
+
+    /// How far a box of the collider's frame is from any edge, or less \[m\].
+    fn edges_apart(&self, (lo, hi): (DVec3, DVec3)) -> f64 {
+        let axes = DMat3::from_quat(self.turn).transpose();
+        let (middle, half) = (0.5 * (lo + hi), 0.5 * (hi - lo));
+        let middle = axes * (middle - self.offset);
+        let half =
+            axes.x_axis.abs() * half.x + axes.y_axis.abs() * half.y + axes.z_axis.abs() * half.z;
+        self.solid.edges_apart(middle - half, middle + half)
+    }
+}
+
+impl Part {
+    pub fn new(offset: DVec3, turn: DQuat, solid: Solid) -> Self {
+        let (lo, hi) = solid.bounds();
+        Self {
+            convex: Convex {
+                offset,
+                turn,
+                solid,
+                centre: 0.5 * (lo + hi),
+            },
+            faces: Watch::default(),
+            edges: Watch::default(),
+            state: Waking::Asleep(f64::NEG_INFINITY),
+        }
+    }
+
+    /// Forgets all distances.
+    pub fn reset(&mut self) {
+        self.faces.reset();
+        self.edges.reset();
+        self.state = Waking::Asleep(f64::NEG_INFINITY);
+    }
+
+    pub fn is_awake(&self) -> bool {
+        self.state == Waking::Awake
+    }
+
+    /// Begins to watch once the box around the body may come within `near` m of an edge.
+    pub fn awake(&mut self, bounds: &mut dyn FnMut() -> (DVec3, DVec3), way: f64, near: f64) {
+        let Waking::Asleep(due) = self.state else {
+            return;
+        };
+        if due - way > near {
+            return;
+        }
+        let apart = self.convex.edges_apart(bounds());
+        self.state = if apart > near {
+            Waking::Asleep(way + apart)
+        } else {
+            Waking::Awake
+        };
+    }
+}

@@ -1,0 +1,130 @@
+//! What must be looked at, and when.
+//!
+//! A distance that has been measured once cannot shrink by more than things have moved since. So every element of a body
+//! is looked at again only when the way moved since then may have used up its distance: at rest that is what touches and
+//! nothing else, and a body that flies past looks at far things seldom.
+
+/// How many reaches beyond the present one are listed at once: a list lasts for dozens of substeps.
+const AHEAD: f64 = 64.0;
+
+/// Elements of a body that may come near something.
+#[derive(Clone, Debug, Default)]
+pub struct Watch {
+    /// Per element the way at which it may arrive \[m\].
+    due: Vec<f64>,
+    /// Those that may arrive before `until`, and a few more, in ascending order.
+    soon: Vec<u32>,
+    until: f64,
+}
+
+impl Watch {
+    /// Forgets all distances.
+    pub fn reset(&mut self) {
+        self.due.clear();
+    }
+
+    /// Whether any distance is known.
+    pub fn is_set(&self) -> bool {
+        !self.due.is_empty()
+    }
+
+    /// Calls `look` for all of `count` elements that may be within `reach` m, in ascending order. `way` is how far both
+    /// sides have moved in all, or more; `look` tells how far off the element is, or less. `step` is about the way of
+    /// some substeps \[m\].
+    pub fn visit(
+        &mut self,
+        count: usize,
+        way: f64,
+        (reach, step): (f64, f64),
+        mut look: impl FnMut(u32) -> f64,
+    ) {
+        if self.due.len() != count {
+            self.due.clear();
+            self.due.resize(count, f64::NEG_INFINITY);
+            self.until = f64::NEG_INFINITY;
+        }
+        if way + reach >= self.until {
+            self.gather(way + reach + AHEAD * step);
+        }
+        for &i in &self.soon {
+            let due = &mut self.due[i as usize];
+            // Distances that are no numbers are looked at too.
+            if *due - way > reach {
+                continue;
+            }
+            *due = way + look(i);
+        }
+    }
+
+    /// Lists what may arrive before the way `horizon`.
+    fn gather(&mut self, horizon: f64) {
+        self.soon.clear();
+        self.until = f64::INFINITY;
+        for (i, &due) in (0..).zip(&self.due) {
+            if due > horizon {
+                self.until = self.until.min(due);
+            } else {
+                self.soon.push(i);
+            }
+        }
+    }
+
+    /// The elements that may be within `reach` m.
+    pub fn within(&self, way: f64, reach: f64) -> impl Iterator<Item = u32> {
+        let may = move |due: f64| due - way <= reach || due.is_nan();
+        (0..)
+            .zip(&self.due)
+            .filter_map(move |(i, &due)| may(due).then_some(i))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points that wander at random over a line, watched from the origin: whatever is near is looked at, and little else.
+    #[test]
+    fn nothing_near_is_missed_and_little_else_is_looked_at() {
+        let (count, reach) = (1000, 1e-2);
+        let mut places: Vec<f64> = (0..count).map(|i| f64::from(i) * 1e-2 - 2.0).collect();
+        let (mut watch, mut way, mut seed) = (Watch::default(), 0.0, 1_u32);
+        let (mut looks, mut near) = (0, 0);
+        for _ in 0..2000 {
+            let mut seen = Vec::new();
+            watch.visit(places.len(), way, (reach, reach), |i| {
+                seen.push(i);
+                places[i as usize].abs()
+            });
+            assert!(seen.is_sorted());
+            for (i, x) in (0..).zip(&places) {
+                assert!(x.abs() > reach || seen.contains(&i));
+                near += usize::from(x.abs() <= reach);
+            }
+            looks += seen.len();
+            for x in &mut places {
+                seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                *x += 2e-4 * (f64::from(seed >> 8) / f64::from(1 << 24) - 0.5);
+            }
+            way += 1e-4;
+        }
+        let all = 2000 * places.len();
+        assert!(
+            near > 2000 && looks < all / 50,
+            "{looks} of {all}, {near} near"
+        );
+        assert!(watch.within(way, reach).count() < 20);
+    }
+
+    #[test]
+    fn what_is_no_number_is_always_looked_at() {
+        let mut watch = Watch::default();
+        for _ in 0..3 {
+            let mut seen = 0;
+            watch.visit(2, 0.0, (1.0, 1.0), |_| {
+                seen += 1;
+                f64::NAN
+            });
+            assert_eq!(seen, 2);
+        }
+    }
+}
