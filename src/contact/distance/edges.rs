@@ -35,6 +35,23 @@ impl Solid {
         }
     }
 
+    /// How far the box from `lo` to `hi` must grow, at least, before it can hold one of the
+    /// [feature points](Self::feature_points) of a convex solid, whatever the normal \[m\].
+    pub fn points_apart(&self, lo: DVec3, hi: DVec3) -> f64 {
+        let margin = DVec3::splat(self.radius);
+        let apart = |p: DVec3| (lo - margin - p).max(p - hi - margin);
+        match &self.core {
+            Core::Segment(a, b) => apart(*a).max_element().min(apart(*b).max_element()),
+            Core::Cuboid(half) => apart(*half).min(apart(-*half)).max_element(),
+            Core::Hull(hull) => {
+                let corners = hull.vertices().iter();
+                let apart = corners.map(|p| apart(*p).max_element());
+                apart.fold(f64::INFINITY, f64::min)
+            }
+            _ => self.edges_apart(lo, hi),
+        }
+    }
+
     /// How far the box from `lo` to `hi` must grow, at least, before it can hold anything of the surface of a convex solid
     /// but one flat face: a corner, an edge or a curved part \[m\]. Not positive where it may hold some already; the middle
     /// of a large floor is far from any, a half-space for ever.

@@ -81,7 +81,8 @@ impl Making<'_, '_> {
         let nodes = side.topology.faces[f as usize].nodes();
         let local = nodes.iter().map(|&i| self.frame.to_local(side.state, i));
         let patch = Patch::new(local);
-        let apart = self.edges_apart(patch.corners());
+        let (lo, hi) = bounds(patch.corners());
+        let apart = self.part.solid.points_apart(lo, hi);
         if apart > self.near && !self.touches.knows_last(p, f) {
             return apart;
         }
@@ -136,14 +137,6 @@ impl Making<'_, '_> {
         }
         // What touches may be deeper next time.
         if met.len() > before { 0.0 } else { apart }
-    }
-
-    /// How far a face or an edge is from any edge of the part, or less \[m\].
-    fn edges_apart(&self, corners: &[DVec3]) -> f64 {
-        let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let corners = corners.iter();
-        let (lo, hi) = corners.fold(start, |(lo, hi), c| (lo.min(*c), hi.max(*c)));
-        self.part.solid.edges_apart(lo, hi)
     }
 
     /// How deep a point of the part can be behind a face and still belong to it \[m\].
@@ -205,7 +198,7 @@ impl Making<'_, '_> {
         let apart = if self.part.solid.has_rim() {
             f64::NEG_INFINITY
         } else {
-            self.edges_apart(&corners)
+            self.part.solid.edges_apart(a.min(b), a.max(b))
         };
         let known = self.touches.knows([p, e]);
         if apart > self.near && !known {
@@ -326,6 +319,13 @@ impl Making<'_, '_> {
             ..self.target.row(terms, self.pair, reach.h)
         });
     }
+}
+
+/// The box around some points.
+fn bounds(points: &[DVec3]) -> (DVec3, DVec3) {
+    let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let points = points.iter();
+    points.fold(start, |(lo, hi), p| (lo.min(*p), hi.max(*p)))
 }
 
 fn weigh(weights: &[f64; 4], values: impl Iterator<Item = DVec3>) -> DVec3 {
