@@ -4,10 +4,12 @@
 //! with the sheet out of their way, the lowest node ever, milliseconds per frame of 1/60 s. Rapier's cloth has its default
 //! material, which is not in N/m: what is compared is who holds the boxes and at what cost, not the sag.
 
+mod clock;
+
+use clock::Clock;
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
 use crumple::scenario::trampoline::{BOX_MASS, HALF, SIDE, net, places};
-use std::time::Instant;
 
 const NODES: usize = 30;
 const FRAMES: usize = 300;
@@ -47,9 +49,9 @@ fn ours(mass: f32) -> Outcome {
         .expect("the sheet is stable");
     let (mut spent, mut sag) = (0.0, 0.0_f32);
     for _ in 0..FRAMES {
-        let start = Instant::now();
+        let clock = Clock::start();
         deformables.step(&mut world);
-        spent += start.elapsed().as_secs_f64();
+        spent += clock.spent().as_secs_f64();
         sag = sag.max(-deformables[sheet].bounds().0.y as f32);
     }
     Outcome {
@@ -76,9 +78,9 @@ fn rapier(mass: f32, iterations: usize) -> Outcome {
     );
     let (mut spent, mut sag) = (0.0, 0.0_f32);
     for _ in 0..FRAMES {
-        let start = Instant::now();
+        let clock = Clock::start();
         world.step();
-        spent += start.elapsed().as_secs_f64();
+        spent += clock.spent().as_secs_f64();
         let body = &world.soft_bodies[handle];
         for i in 0..NODES * NODES {
             sag = sag.max(-body.particle_position(i).y);

@@ -5,7 +5,7 @@
 
 use super::{Cast, Figures, Options, Run, Scene, SceneError, survey};
 use crate::body::Material;
-use crate::math::{Real, Rotation, Vector};
+use crate::math::{Pose, Real, Rotation, Vector};
 use crate::shape::{lattice, rope, sheet};
 use crate::world::{DeformableBuilder, DeformableWorld, Substeps};
 use rapier3d::dynamics::RigidBodyBuilder;
@@ -27,7 +27,7 @@ pub const SCENE: Scene = Scene {
 };
 
 /// Half the side of the room \[m\].
-const ROOM: Real = 0.85;
+pub const ROOM: Real = 0.85;
 /// Places of one layer, and layers one above the other.
 const PLACES: [[Real; 2]; 6] = [
     [-0.5, -0.35],
@@ -38,6 +38,32 @@ const PLACES: [[Real; 2]; 6] = [
     [0.5, 0.35],
 ];
 const LAYERS: usize = 5;
+/// Nodes of a rope.
+pub const ROPE_NODES: usize = 11;
+/// Nodes of a side of a sheet.
+pub const SHEET_NODES: usize = 8;
+/// Length of a rope and its thickness \[m\].
+pub const ROPE: [Real; 2] = [0.44, 0.018];
+/// Side of a sheet and its thickness \[m\].
+pub const SHEET: [Real; 2] = [0.42, 0.01];
+/// Sides of a block \[m\].
+pub const BLOCK: Vector = Vector::new(0.34, 0.26, 0.3);
+
+/// Where the bodies stand at the beginning, and whether they are deformable: two of five, so that every layer and every
+/// column has both.
+pub fn places() -> impl Iterator<Item = (Pose, bool)> {
+    (0..LAYERS * PLACES.len()).map(|i| {
+        let (layer, place) = (i / PLACES.len(), PLACES[i % PLACES.len()]);
+        let lean = (i * 7 % 5) as Real - 2.0;
+        let at = Vector::new(
+            place[0] + 0.02 * lean,
+            0.35 + 0.5 * layer as Real,
+            place[1] - 0.02 * lean,
+        );
+        let turn = Rotation::from_scaled_axis(Vector::new(0.1 * lean, 0.4 * lean, 0.15));
+        (Pose::from_parts(at, turn), i % 5 == 1 || i % 5 == 3)
+    })
+}
 
 /// Ground and walls. The wall towards the viewer is a half-space: it holds as well and hides nothing.
 fn room(world: &mut PhysicsWorld, cast: &mut Cast) {
@@ -86,24 +112,30 @@ fn rigid(kind: usize) -> Result<(&'static str, ColliderBuilder), SceneError> {
 fn soft(kind: usize, options: &Options) -> Result<(&'static str, DeformableBuilder), SceneError> {
     let (name, builder) = match kind % 4 {
         1 => {
-            let (from, to) = (Vector::new(-0.22, 0.0, 0.0), Vector::new(0.22, 0.0, 0.0));
-            let net = rope(from, to, 11, 4.0e-4)?;
+            let [length, thickness] = ROPE;
+            let end = Vector::X * (0.5 * length);
+            let net = rope(-end, end, ROPE_NODES, 4.0e-4)?;
             let line = Material::elastic(2.0e6, 1100.0).viscosity(3.0e3);
             (
                 "rope",
-                DeformableBuilder::new(net).material(line).thickness(0.018),
+                DeformableBuilder::new(net)
+                    .material(line)
+                    .thickness(thickness),
             )
         }
         3 => {
-            let net = sheet(0.42, 0.42, 8, 8, 0.01)?;
+            let [side, thickness] = SHEET;
+            let net = sheet(side, side, SHEET_NODES, SHEET_NODES, thickness)?;
             let mat = Material::elastic(1.0e6, 400.0).viscosity(8.0e3);
             (
                 "sheet",
-                DeformableBuilder::new(net).material(mat).thickness(0.01),
+                DeformableBuilder::new(net)
+                    .material(mat)
+                    .thickness(thickness),
             )
         }
         _ => {
-            let net = lattice(Vector::new(0.34, 0.26, 0.3), options.cell as Real)?;
+            let net = lattice(BLOCK, options.cell as Real)?;
             let foam = Material::elastic(0.2e6, 150.0).viscosity(2.0e3);
             ("block", DeformableBuilder::new(net).material(foam))
         }
@@ -122,25 +154,16 @@ fn build(options: &Options) -> Result<Run, SceneError> {
     deformables.params.expected_dt = options.dt;
     room(&mut world, &mut cast);
     let (mut hard, mut yielding) = (0, 0);
-    for i in 0..LAYERS * PLACES.len() {
-        let (layer, place) = (i / PLACES.len(), PLACES[i % PLACES.len()]);
-        let lean = (i * 7 % 5) as Real - 2.0;
-        let at = Vector::new(
-            place[0] + 0.02 * lean,
-            0.35 + 0.5 * layer as Real,
-            place[1] - 0.02 * lean,
-        );
-        let turn = Rotation::from_scaled_axis(Vector::new(0.1 * lean, 0.4 * lean, 0.15));
-        // Two of five are deformable, so that every layer and every column has both.
-        if i % 5 == 1 || i % 5 == 3 {
+    for (pose, deformable) in places() {
+        if deformable {
             let (name, builder) = soft(yielding, options)?;
-            let handle = deformables.insert(builder.translation(at).rotation(turn))?;
+            let builder = builder.translation(pose.translation);
+            let handle = deformables.insert(builder.rotation(pose.rotation))?;
             cast.deformables
                 .push((format!("{name}_{yielding}"), handle));
             yielding += 1;
         } else {
             let (name, collider) = rigid(hard)?;
-            let pose = rapier3d::math::Pose::from_parts(at, turn);
             let (body, collider) = world.insert(RigidBodyBuilder::dynamic().pose(pose), collider);
             cast.rigid
                 .push((format!("{name}_{hard}"), Some(body), collider));
