@@ -77,23 +77,19 @@ impl Deformable {
             }
             energies.gravity -= mass * gravity.dot(self.state.position(i) - self.datum);
         }
-        // A node has a dozen springs: widened once, not with every spring.
-        let nodes = 0..self.state.particles.len();
-        let nodes: Vec<_> = nodes
-            .map(|i| (self.state.local(i), self.state.velocity(i)))
-            .collect();
         for (i, link) in self.solver.table.links.iter().enumerate() {
             let stiffness = f64::from(link.stiffness);
             if stiffness == 0.0 {
                 continue;
             }
-            let ((a, va), (b, vb)) = (nodes[link.a as usize], nodes[link.b as usize]);
-            let d = b - a;
+            let (a, b) = (link.a as usize, link.b as usize);
+            let d = self.state.local(b) - self.state.local(a);
             let length = d.length();
             let mapped = self.mapped(i, length, stiffness);
             let elongation = length - f64::from(self.state.rest[i]);
             energies.elastic += law::energy(stiffness, elongation - mapped.flow);
-            let rate = (vb - va).dot(d) / length.max(f64::MIN_POSITIVE);
+            let rate = (self.state.velocity(b) - self.state.velocity(a)).dot(d)
+                / length.max(f64::MIN_POSITIVE);
             let last = stiffness * (elongation - self.h * rate);
             energies.work.plastic += plastic::work(last, &mapped);
             energies.kinetic -= lead * mapped.tension * rate;
