@@ -9,7 +9,7 @@ mod clock;
 
 use clock::Clock;
 use crumple::rapier3d::prelude::*;
-use crumple::scenario::pile::{BLOCK, ROOM, ROPE, ROPE_NODES, SHEET, SHEET_NODES, places};
+use crumple::scenario::pile::{BLOCK, ROOM, ROPE, ROPE_SPRINGS, SHEET, SHEET_NODES, places};
 use crumple::scenario::{self, Run};
 
 const FRAMES: usize = 180;
@@ -64,7 +64,7 @@ fn ours() -> Outcome {
 fn native(name: &str) -> SoftBodyBuilder {
     if name.starts_with("rope") {
         let end = Vector::X * (0.5 * ROPE[0]);
-        SoftBodyBuilder::rope(-end, end, ROPE_NODES).particle_radius(0.5 * ROPE[1])
+        SoftBodyBuilder::rope(-end, end, ROPE_SPRINGS + 1).particle_radius(0.5 * ROPE[1])
     } else if name.starts_with("sheet") {
         let cell = SHEET[0] / (SHEET_NODES - 1) as f32;
         let origin = Vector::new(-0.5 * SHEET[0], 0.0, -0.5 * SHEET[0]);

@@ -2,7 +2,7 @@
 //!
 //! `cargo bench --bench throughput --features scenario` prints two CSV tables. Spring updates per second: one physical
 //! spring, its force evaluated once, integration of its nodes included. Times are those of the thread, least of some runs.
-//! Pass a number to leave out blocks of more nodes.
+//! `-- scenes` or `-- resting` prints one of them; a number leaves out blocks of more nodes.
 
 mod clock;
 
@@ -140,7 +140,13 @@ fn resting(most: usize) {
 }
 
 fn main() {
-    let most = std::env::args().find_map(|a| a.parse().ok());
-    scenes();
-    resting(most.unwrap_or(usize::MAX));
+    let asked: Vec<String> = std::env::args().collect();
+    let wants = |what: &str| asked.iter().any(|a| a == what);
+    if !wants("resting") {
+        scenes();
+    }
+    if !wants("scenes") {
+        let most = asked.iter().find_map(|a| a.parse().ok());
+        resting(most.unwrap_or(usize::MAX));
+    }
 }

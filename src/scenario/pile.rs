@@ -38,8 +38,8 @@ const PLACES: [[Real; 2]; 6] = [
     [0.5, 0.35],
 ];
 const LAYERS: usize = 5;
-/// Nodes of a rope.
-pub const ROPE_NODES: usize = 11;
+/// Springs of a rope.
+pub const ROPE_SPRINGS: usize = 11;
 /// Nodes of a side of a sheet.
 pub const SHEET_NODES: usize = 8;
 /// Length of a rope and its thickness \[m\].
@@ -114,7 +114,7 @@ fn soft(kind: usize, options: &Options) -> Result<(&'static str, DeformableBuild
         1 => {
             let [length, thickness] = ROPE;
             let end = Vector::X * (0.5 * length);
-            let net = rope(-end, end, ROPE_NODES, 4.0e-4)?;
+            let net = rope(-end, end, ROPE_SPRINGS, 4.0e-4)?;
             let line = Material::elastic(2.0e6, 1100.0).viscosity(3.0e3);
             (
                 "rope",
