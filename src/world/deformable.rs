@@ -44,6 +44,8 @@ pub struct Deformable {
     pub(super) start: Start,
     /// How often nodes were moved from outside: what contact remembers of them is void then.
     pub(super) edits: u64,
+    /// How far nodes were moved after the last step's substeps to lie on their rigid bodies \[m\].
+    pub(super) shifted: f64,
     /// The work done until then.
     pub(super) work_backup: Work,
     pub(super) h: f64,
