@@ -50,9 +50,16 @@ impl Candidates {
         }
     }
 
-    /// A list of the last step goes on in this one. What was done to body and collider in between uses up its budget; after
-    /// a teleport, of more than `far` m, or a change of shape, nothing is remembered.
-    pub fn resume(&mut self, target: Target, pair: u32, shadow: &Shadow, edits: u64, far: f64) {
+    /// A list of the last step goes on in this one. What was done to body and collider in between, the former by `shifted` m,
+    /// uses up its budget; after a teleport, of more than `far` m, or a change of shape, nothing is remembered.
+    pub fn resume(
+        &mut self,
+        target: Target,
+        pair: u32,
+        shadow: &Shadow,
+        (edits, shifted): (u64, f64),
+        far: f64,
+    ) {
         let now = target.frame(shadow);
         let alike = address(&self.target.shape) == address(&target.shape)
             || self.target.form == target.form;
@@ -62,8 +69,8 @@ impl Candidates {
             _ => f64::INFINITY,
         };
         if moved <= far {
-            self.way += moved;
-            self.nodes.spend(moved);
+            self.way += moved + shifted;
+            self.nodes.spend(moved + shifted);
         } else {
             self.way = 0.0;
             self.nodes.reset();

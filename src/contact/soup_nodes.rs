@@ -79,8 +79,18 @@ impl SoupNodes {
         let all = 0..state.particles.len() as u32;
         self.places
             .extend(all.clone().map(|i| frame.to_local(state, i)));
-        let places = all.zip(self.places.iter().copied());
-        self.facets.gather(soup, places, skin + margin);
+        // A node that something else pushes through, an attachment say, may be deep: as long as its side is known, the
+        // surface between is near.
+        let mut before = self.before.iter().peekable();
+        let places = all.zip(&self.places).map(|(i, &place)| {
+            while before.next_if(|(j, _)| *j < i).is_some() {}
+            let known = before.next_if(|(j, _)| *j == i);
+            let deep = known
+                .and_then(|(_, side)| *side)
+                .map_or(0.0, |side| side.distance(place));
+            (i, place, skin + margin + deep)
+        });
+        self.facets.gather_each(soup, places);
         self.keep_sides();
         self.find_deep(soup);
     }

@@ -8,8 +8,9 @@
 //! body also ends where its shadow is. (Without it a jointed pair leaves a hard impact 3 % too slow.) Rigid contacts are
 //! one-sided, and a split-off impulse may pull: bodies held by them get the mean force alone.
 
+use super::linkage::Mobility;
 use super::memory::BodyMemory;
-use super::observe::{Answer, displacement_share, free_acceleration, inv_inertia};
+use super::observe::{Answer, displacement_share, inv_inertia};
 use crate::math::{DQuat, DVec3, Vector, narrow, wide};
 use crate::solve::shadow::Shadow;
 use rapier3d::dynamics::{IntegrationParameters, RigidBody};
@@ -49,9 +50,9 @@ impl Pending {
 pub fn before_step(
     body: &mut RigidBody,
     answer: Answer,
+    mobility: &Mobility,
     start: &Shadow,
     end: &Shadow,
-    gravity: Vector,
     parameters: &IntegrationParameters,
     dt: f64,
 ) -> Pending {
@@ -61,10 +62,10 @@ pub fn before_step(
         before: (wide(body.linvel()), wide(body.angvel())),
         ..Pending::nothing()
     };
-    let (acceleration, spin_up) = free_acceleration(body, gravity);
     match answer {
         Answer::None => {}
         Answer::Free => {
+            let (acceleration, spin_up) = (mobility.acceleration, mobility.spin_up);
             let share = displacement_share(body, parameters);
             let inv_mass = wide(body.mass_properties().effective_inv_mass);
             let drift = end.com - start.com - start.v * dt - acceleration * (share * dt * dt);
@@ -81,24 +82,24 @@ pub fn before_step(
             pending.given = (impulse, torque);
         }
         Answer::Jointed | Answer::Held => {
-            let inv_mass = wide(body.mass_properties().effective_inv_mass);
-            pending.free = (
-                end.impulse * inv_mass + acceleration * dt,
-                inv_inertia(body) * end.torque + spin_up * dt,
-            );
-            let mut early = DVec3::ZERO;
+            pending.free = mobility.answer(end.impulse, end.torque, dt);
+            let mut early = (DVec3::ZERO, DVec3::ZERO);
             // With one solver iteration Rapier gives force and impulse the same displacement: nothing to split.
-            if answer == Answer::Jointed && displacement_share(body, parameters) < 1.0 {
-                // early·dt + s·(P − early)·dt, times the scaled 1/m, is the drift of the shadow.
+            let alone = mobility.alone && answer == Answer::Jointed;
+            if alone && displacement_share(body, parameters) < 1.0 {
+                // early·dt + s·(P − early)·dt carries as far as the impulses did when they came.
                 let share = displacement_share(body, parameters);
-                let drift =
-                    end.com - start.com - start.v * dt - start.acceleration * (share * dt * dt);
-                let mean = per_axis(drift / dt, start.inv_mass);
-                early = (mean - end.impulse * share) / (1.0 - share);
+                let split =
+                    |carried: DVec3, sum: DVec3| (carried / dt - sum * share) / (1.0 - share);
+                early = (
+                    split(end.carried.0, end.impulse),
+                    split(end.carried.1, end.torque),
+                );
             }
-            body.apply_impulse(narrow(early), false);
-            body.add_force(narrow((end.impulse - early) / dt), false);
-            body.add_torque(narrow(end.torque / dt), false);
+            body.apply_impulse(narrow(early.0), false);
+            body.apply_torque_impulse(narrow(early.1), false);
+            body.add_force(narrow((end.impulse - early.0) / dt), false);
+            body.add_torque(narrow((end.torque - early.1) / dt), false);
         }
     }
     pending

@@ -1,5 +1,6 @@
 //! Reading a rigid body: its shadow, and whether something rigid holds it.
 
+use super::linkage::{self, Mobility};
 use super::memory::{BodyMemory, Response};
 use crate::contact::target::wide_rotation;
 use crate::math::{DMat3, DVec3, Vector, wide};
@@ -81,6 +82,7 @@ pub fn inv_inertia(body: &RigidBody) -> DMat3 {
 pub fn shadow(
     body: &RigidBody,
     answer: Answer,
+    mobility: &Mobility,
     response: Response,
     around: &Surroundings,
     dt: f64,
@@ -100,11 +102,12 @@ pub fn shadow(
     if answer == Answer::None {
         return shadow;
     }
-    let (acceleration, spin_up) = free_acceleration(body, around.gravity);
-    shadow.inv_mass = wide(body.mass_properties().effective_inv_mass) * response.along;
-    shadow.inv_inertia = scaled(inv_inertia(body), response.about);
-    shadow.acceleration = acceleration * response.along;
-    shadow.spin_up = spin_up * response.about;
+    let (along, about) = (response.along, response.about);
+    shadow.inv_mass = scaled(along, mobility.inv_mass, along);
+    shadow.cross = scaled(along, mobility.cross, about);
+    shadow.inv_inertia = scaled(about, mobility.inv_inertia, about);
+    shadow.acceleration = mobility.acceleration * along;
+    shadow.spin_up = mobility.spin_up * about;
     if answer == Answer::Free {
         shadow.lead = (displacement_share(body, around.parameters) - 0.5) * dt;
     }
@@ -119,10 +122,10 @@ pub fn shadow(
     shadow
 }
 
-/// A symmetric matrix scaled about each axis.
-fn scaled(m: DMat3, by: DVec3) -> DMat3 {
-    let root = DMat3::from_diagonal(DVec3::new(by.x.sqrt(), by.y.sqrt(), by.z.sqrt()));
-    root * m * root
+/// A block of a symmetric matrix, scaled along each axis.
+fn scaled(rows: DVec3, m: DMat3, columns: DVec3) -> DMat3 {
+    let root = |by: DVec3| DMat3::from_diagonal(DVec3::new(by.x.sqrt(), by.y.sqrt(), by.z.sqrt()));
+    root(rows) * m * root(columns)
 }
 
 /// Velocity of the centre of mass and angular velocity over a rigid step of `dt` s.
@@ -160,7 +163,8 @@ pub fn answer(handle: RigidBodyHandle, body: &RigidBody, around: &Surroundings) 
     }
 }
 
-fn has_contact(body: &RigidBody, around: &Surroundings) -> bool {
+/// Whether a rigid contact presses on the body.
+pub fn has_contact(body: &RigidBody, around: &Surroundings) -> bool {
     body.colliders().iter().any(|&c| {
         around
             .narrow_phase
@@ -178,58 +182,31 @@ fn is_link(handle: RigidBodyHandle, around: &Surroundings) -> bool {
     around.multibodies.rigid_body_link(handle).is_some()
 }
 
-/// ρ of a body: remembered, or at first guessed from what it is held by.
+/// How a body answers before ρ, and its ρ: remembered, or at first guessed from what holds it.
 pub fn response(
     handle: RigidBodyHandle,
     body: &RigidBody,
     answer: Answer,
     memory: &mut BodyMemory,
     around: &Surroundings,
-) -> Response {
-    if !matches!(answer, Answer::Jointed | Answer::Held) {
+    dt: f64,
+) -> (Mobility, Response) {
+    let mobility = match answer {
+        Answer::Jointed => linkage::mobility(handle, around, dt),
+        _ => Mobility::free(body, around.gravity),
+    };
+    if mobility.alone && answer != Answer::Held {
         memory.response = None;
-        return Response::all(1.0);
+        return (mobility, Response::all(1.0));
     }
-    *memory
+    // A link of a multibody: ½. Held by contacts: 0.2. What contacts do to joined bodies is in their mobility.
+    let guess = || match answer {
+        Answer::Jointed => 1.0,
+        _ if is_link(handle, around) => 0.5,
+        _ => 0.2,
+    };
+    let known = memory
         .response
-        .get_or_insert_with(|| Response::all(first_guess(handle, body, answer, around)))
-}
-
-/// Jointed to something that never moves: 0. Jointed to others: its share of their mass. Held by contacts only: 0.2.
-fn first_guess(
-    handle: RigidBodyHandle,
-    body: &RigidBody,
-    answer: Answer,
-    around: &Surroundings,
-) -> f64 {
-    if is_link(handle, around) {
-        return 0.5;
-    }
-    if answer == Answer::Held {
-        return 0.2;
-    }
-    let mut component = vec![handle];
-    let mut total = 0.0;
-    let mut next = 0;
-    while let Some(&current) = component.get(next) {
-        next += 1;
-        let Some(member) = around.bodies.get(current) else {
-            continue;
-        };
-        if !member.is_dynamic() {
-            return 0.0;
-        }
-        total += f64::from(member.mass());
-        for (a, b, _, _) in around.joints.attached_enabled_joints(current) {
-            let other = if a == current { b } else { a };
-            if !component.contains(&other) {
-                component.push(other);
-            }
-        }
-    }
-    if total > 0.0 {
-        f64::from(body.mass()) / total
-    } else {
-        1.0
-    }
+        .get_or_insert_with(|| Response::all(guess()));
+    (mobility, *known)
 }

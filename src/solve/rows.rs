@@ -201,6 +201,10 @@ impl Rows {
             points.push(row.terms, j);
             shadows[row.shadow as usize].push(row.arm, -j * row.rigid_share);
         }
+        for tie in ties.iter().filter(|t| t.impulse != DVec3::ZERO) {
+            points.push(tie.terms, tie.impulse);
+            shadows[tie.shadow as usize].push(tie.arm, -tie.impulse);
+        }
         // Rows that share nodes take more passes when a blow finds them unprepared.
         let shared = contacts.iter().any(|row| row.terms.count > 1);
         let most = if shared { 4 * passes } else { passes };
@@ -432,7 +436,7 @@ mod tests {
     #[test]
     fn a_collision_conserves_momentum() {
         let mut shadow = Shadow {
-            inv_mass: DVec3::splat(0.5),
+            inv_mass: DMat3::from_diagonal(DVec3::splat(0.5)),
             inv_inertia: DMat3::IDENTITY,
             v: DVec3::new(0.0, 0.3, 0.1),
             ..Shadow::FIXED

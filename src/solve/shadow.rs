@@ -19,9 +19,12 @@ pub struct Shadow {
     pub w: DVec3,
     /// Velocities at the end of the last substep, for the trapezoid rule of work.
     pub before: (DVec3, DVec3),
-    /// 1/m per world axis \[1/kg\], 0 where locked, fixed, kinematic or asleep; scaled by the response ratio.
-    pub inv_mass: DVec3,
-    /// I⁻¹ in world axes \[1/(kg·m²)\], scaled likewise.
+    /// Velocity by impulse \[1/kg\]: 1/m, less where joints hold, 0 where locked, fixed, kinematic or asleep; scaled by the
+    /// response ratio.
+    pub inv_mass: DMat3,
+    /// Velocity by angular impulse, and transposed, spin by impulse \[1/(kg·m)\]: 0 without joints, scaled likewise.
+    pub cross: DMat3,
+    /// Spin by angular impulse \[1/(kg·m²)\]: I⁻¹ in world axes, less where joints hold, scaled likewise.
     pub inv_inertia: DMat3,
     /// I in world axes, where the body's rotation conserves angular momentum by itself; zero otherwise.
     pub inertia: DMat3,
@@ -37,6 +40,8 @@ pub struct Shadow {
     pub impulse: DVec3,
     /// Sum of angular impulses about the centre of mass \[N·m·s\].
     pub torque: DVec3,
+    /// Both sums, integrated over time \[N·s²\], \[N·m·s²\]: the earlier an impulse came, the farther it has carried.
+    pub carried: (DVec3, DVec3),
 }
 
 impl Shadow {
@@ -47,7 +52,8 @@ impl Shadow {
         v: DVec3::ZERO,
         w: DVec3::ZERO,
         before: (DVec3::ZERO, DVec3::ZERO),
-        inv_mass: DVec3::ZERO,
+        inv_mass: DMat3::ZERO,
+        cross: DMat3::ZERO,
         inv_inertia: DMat3::ZERO,
         inertia: DMat3::ZERO,
         acceleration: DVec3::ZERO,
@@ -56,6 +62,7 @@ impl Shadow {
         damping: (0.0, 0.0),
         impulse: DVec3::ZERO,
         torque: DVec3::ZERO,
+        carried: (DVec3::ZERO, DVec3::ZERO),
     };
 
     /// Velocity of the point at `arm` from the centre of mass \[m/s\].
@@ -74,7 +81,8 @@ impl Shadow {
     #[inline(always)]
     pub fn response(&self, arm: DVec3, direction: DVec3) -> f64 {
         let turn = arm.cross(direction);
-        (self.inv_mass * direction).dot(direction) + (self.inv_inertia * turn).dot(turn)
+        (self.inv_mass * direction + self.cross * (2.0 * turn)).dot(direction)
+            + (self.inv_inertia * turn).dot(turn)
     }
 
     /// The inverse mass matrix felt at `arm` \[1/kg\].
@@ -84,14 +92,16 @@ impl Shadow {
             DVec3::new(-arm.z, 0.0, arm.x),
             DVec3::new(arm.y, -arm.x, 0.0),
         );
-        DMat3::from_diagonal(self.inv_mass) - cross * self.inv_inertia * cross
+        let mixed = self.cross * cross;
+        self.inv_mass + mixed + mixed.transpose() - cross * self.inv_inertia * cross
     }
 
     /// Takes an impulse at `arm` \[N·s\].
     #[inline(always)]
     pub fn push(&mut self, arm: DVec3, impulse: DVec3) {
-        self.v += self.inv_mass * impulse;
-        self.w += self.inv_inertia * arm.cross(impulse);
+        let torque = arm.cross(impulse);
+        self.v += self.inv_mass * impulse + self.cross * torque;
+        self.w += self.cross.transpose() * impulse + self.inv_inertia * torque;
     }
 
     /// Rapier's velocity stands half a solver iteration before its position, because gravity is integrated symplectically in
@@ -114,6 +124,8 @@ impl Shadow {
 
     /// Second half of a substep: position and orientation.
     pub fn advance(&mut self, h: f64) {
+        self.carried.0 += self.impulse * h;
+        self.carried.1 += self.torque * h;
         self.com += self.v * h;
         let turn = DQuat::from_scaled_axis(self.w * h);
         self.rot = (turn * self.rot).normalize();
@@ -157,7 +169,12 @@ mod tests {
         let inertia = DMat3::from_diagonal(DVec3::new(1.0, 2.0, 3.0));
         let s = Shadow {
             inv_inertia: inertia.inverse(),
-            inv_mass: DVec3::splat(0.25),
+            inv_mass: DMat3::from_diagonal(DVec3::splat(0.25)),
+            cross: DMat3::from_cols(
+                DVec3::new(0.1, 0.0, 0.05),
+                DVec3::new(-0.02, 0.03, 0.0),
+                DVec3::new(0.0, 0.07, -0.04),
+            ),
             ..Shadow::FIXED
         };
         let (arm, n) = (DVec3::new(0.3, -0.2, 0.7), DVec3::new(0.6, 0.0, -0.8));

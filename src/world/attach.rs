@@ -192,10 +192,6 @@ impl DeformableWorld {
             let (com, rot) = frame(rigid);
             let errors: Vec<_> = bond.errors(com, rot, &soft.state, None).collect();
             let most = errors.iter().map(|e| e.length()).fold(0.0, f64::max);
-            if most > 1e-3 * parts.length_unit() {
-                // Too far for what contact remembers.
-                soft.edits += 1;
-            }
             if most > 0.0 && most.is_finite() {
                 soft.shift_points(&bond.points, &errors);
             }
@@ -209,6 +205,7 @@ impl Deformable {
     fn shift_points(&mut self, points: &[Point], errors: &[DVec3]) {
         self.cache.forget();
         let balance = self.energies().balance();
+        let mut farthest = 0.0_f64;
         for (point, error) in points.iter().zip(errors) {
             let share = |p: &Part| {
                 let inv_mass = self.state.particles[p.node as usize].inv_mass;
@@ -222,9 +219,11 @@ impl Deformable {
                 let inv_mass = f64::from(self.state.particles[part.node as usize].inv_mass);
                 let by = *error * (-part.weight * inv_mass / response);
                 let node = part.node as usize;
+                farthest = farthest.max(by.length());
                 self.state.displace(node, by.as_vec3().to_array());
             }
         }
+        self.shifted += farthest;
         self.solver.work.rigid += self.energies().balance() - balance;
     }
 }

@@ -46,6 +46,8 @@ pub struct Deformable {
     pub(super) edits: u64,
     /// A bound on how far any node moved in the last substep \[m\].
     pub(super) moved: f64,
+    /// How far nodes were moved after the last step's substeps to lie on their rigid bodies \[m\].
+    pub(super) shifted: f64,
     /// The work done until then.
     pub(super) work_backup: Work,
     pub(super) h: f64,

@@ -11,6 +11,7 @@ use super::{
 use crate::contact::candidates::Candidates;
 use crate::contact::target::Target;
 use crate::coupling::handover;
+use crate::coupling::linkage::Mobility;
 use crate::coupling::memory::{BodyMemory, Response};
 use crate::coupling::observe::{self, Answer, Surroundings};
 use crate::solve::shadow::Shadow;
@@ -22,6 +23,7 @@ use std::collections::BTreeMap;
 pub(super) struct Touched {
     pub body: RigidBodyHandle,
     pub answer: Answer,
+    pub mobility: Mobility,
     pub start: Shadow,
 }
 
@@ -102,7 +104,7 @@ impl DeformableWorld {
                 continue;
             };
             let member = group.members.len();
-            let (edits, spacing) = (body.edits, body.topology.spacing);
+            let (moved, spacing) = ((body.edits, body.shifted), body.topology.spacing);
             group.members.push((reach.handle, body));
             let mut candidates = Vec::new();
             for mut target in reach.targets {
@@ -113,7 +115,7 @@ impl DeformableWorld {
                     None => Candidates::new(target, pair, spacing),
                     Some(mut c) => {
                         let shadow = &group.shadows[target.shadow as usize];
-                        c.resume(target, pair, shadow, edits, far);
+                        c.resume(target, pair, shadow, moved, far);
                         c
                     }
                 });
@@ -241,9 +243,9 @@ impl DeformableWorld {
                     handover::before_step(
                         body,
                         touched.answer,
+                        &touched.mobility,
                         &touched.start,
                         &end,
-                        parts.gravity,
                         parts.integration_parameters,
                         dt,
                     )
@@ -269,7 +271,8 @@ impl DeformableWorld {
                 }
             }
         }
-        for (handle, body) in group.members {
+        for (handle, mut body) in group.members {
+            body.shifted = 0.0;
             self.put_back(handle, body);
         }
     }
@@ -297,16 +300,17 @@ fn shadow_of(
         return i as u32 + 1;
     }
     let answer = observe::answer(handle, body, around);
-    let response = if answer == Answer::None {
-        Response::all(1.0)
+    let (mobility, response) = if answer == Answer::None {
+        (Mobility::free(body, around.gravity), Response::all(1.0))
     } else {
         let memory = memory.entry(handle.into_raw_parts()).or_default();
-        observe::response(handle, body, answer, memory, around)
+        observe::response(handle, body, answer, memory, around, dt)
     };
-    let start = observe::shadow(body, answer, response, around, dt);
+    let start = observe::shadow(body, answer, &mobility, response, around, dt);
     group.touched.push(Touched {
         body: handle,
         answer,
+        mobility,
         start,
     });
     group.shadows.push(start);

@@ -163,7 +163,10 @@ impl DeformableWorld {
                 continue;
             };
             let manners = Manners::new(bodies.map(|b| b.surface()), [first, second]);
-            let edits = bodies.map(|b| b.edits);
+            let moved = (
+                bodies.map(|b| b.edits),
+                bodies.iter().map(|b| b.shifted).sum(),
+            );
             let [of_a, of_b] = [a, b].map(|i| Partner::Deformable(group.members[i].0));
             let pair = group.add_pair(a, of_b);
             group.add_pair(b, of_a);
@@ -172,7 +175,7 @@ impl DeformableWorld {
                 .encounters
                 .push(match kept.remove(&(keys[0], keys[1])) {
                     Some(mut e) => {
-                        e.resume(members, pair, manners, edits);
+                        e.resume(members, pair, manners, moved);
                         e
                     }
                     None => Encounter::new(members, pair, manners),

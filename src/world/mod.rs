@@ -24,6 +24,7 @@ mod report;
 mod sense;
 mod settings;
 mod sleep;
+mod solve;
 mod step;
 mod substep;
 mod ties;

@@ -29,6 +29,8 @@ pub(super) struct Group {
     pub encounters: Vec<Encounter>,
     /// The first is the fixed world, the others belong to `touched`.
     pub shadows: Vec<Shadow>,
+    /// The shadows as they wait for the rows' answer.
+    pub waiting: Vec<Shadow>,
     pub touched: Vec<Touched>,
     pub attachments: Vec<Attached>,
     pairs: Vec<PairImpulse>,
@@ -66,6 +68,7 @@ impl Group {
             candidates: Vec::new(),
             encounters: Vec::new(),
             shadows: vec![Shadow::FIXED],
+            waiting: Vec::new(),
             touched: Vec::new(),
             attachments: Vec::new(),
             pairs: Vec::new(),
@@ -123,11 +126,9 @@ impl Group {
         for (_, body) in &mut self.members {
             body.predict(h);
         }
-        self.read_free_velocities(h);
-        self.rows.solve(&mut self.shadows, h, s.passes, reversed);
-        self.remember(s);
         self.note_places();
-        self.write_velocities(h);
+        self.solve_rows(h, s.passes, reversed);
+        self.remember(s);
         self.push_out(h, s);
         self.note_ways(h);
         self.list_node_impulses(observer.wants_node_impulses());
@@ -183,14 +184,6 @@ impl Group {
         self.find_ties(h);
     }
 
-    fn read_free_velocities(&mut self, h: f64) {
-        for node in &mut self.rows.nodes {
-            let body = &self.members[node.body as usize].1;
-            node.free = body.free_velocity(node.node as usize, h);
-            node.v = node.free;
-        }
-    }
-
     /// What touches, sticks and slides, for the next substep.
     fn remember(&mut self, s: &Settings) {
         for c in self.candidates.iter_mut().flatten() {
@@ -198,19 +191,6 @@ impl Group {
         }
         for e in &mut self.encounters {
             e.remember(&self.rows, s.touching);
-        }
-    }
-
-    fn write_velocities(&mut self, h: f64) {
-        for node in &self.rows.nodes {
-            let body = &mut self.members[node.body as usize].1;
-            body.slots[node.node as usize] = u32::MAX;
-            if node.v != node.free {
-                body.take_impulse(node.node as usize, node.v - node.free, h);
-            }
-        }
-        for (_, body) in &mut self.members {
-            body.move_anew(h);
         }
     }
 

@@ -58,8 +58,16 @@ impl Encounter {
         }
     }
 
-    /// Goes on in this step. After nodes were moved from outside, nothing is remembered.
-    pub fn resume(&mut self, members: [u32; 2], pair: u32, manners: Manners, edits: [u64; 2]) {
+    /// Goes on in this step, after the two sides were shifted by `shifted` m against each other. After nodes were moved from
+    /// outside, nothing is remembered.
+    pub fn resume(
+        &mut self,
+        members: [u32; 2],
+        pair: u32,
+        manners: Manners,
+        (edits, shifted): ([u64; 2], f64),
+    ) {
+        self.budget -= shifted;
         if self.edits != edits {
             self.node_touches.iter_mut().for_each(Touches::clear);
             self.edge_touches.clear();

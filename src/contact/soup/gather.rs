@@ -24,12 +24,17 @@ impl NodeFacets {
     /// Fills the list with the nodes that have facets within `margin` m, in the order given, and those facets. Positions
     /// are in the frame of the soup \[m\].
     pub fn gather(&mut self, soup: &Soup, nodes: impl Iterator<Item = (u32, DVec3)>, margin: f64) {
+        self.gather_each(soup, nodes.map(|(node, p)| (node, p, margin)));
+    }
+
+    /// The same with a margin for every node.
+    pub fn gather_each(&mut self, soup: &Soup, nodes: impl Iterator<Item = (u32, DVec3, f64)>) {
         self.clear();
         self.oriented = soup.oriented();
         self.radius = soup.radius();
-        // The shape's own thickness brings it nearer.
-        let margin = margin + self.radius;
-        for (node, p) in nodes {
+        for (node, p, margin) in nodes {
+            // The shape's own thickness brings it nearer.
+            let margin = margin + self.radius;
             let corner = DVec3::splat(margin);
             soup.facets_in(p - corner, p + corner, &mut self.ids);
             let start = self.slots.len();

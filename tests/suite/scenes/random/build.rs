@@ -21,6 +21,8 @@ pub struct Scenery {
     pub ground: ColliderHandle,
     pub mover: (RigidBodyHandle, ColliderHandle),
     pub held_by_mover: Vec<AttachmentHandle>,
+    /// Attachments to what no deformable can move.
+    pub held_steadily: Vec<AttachmentHandle>,
     pub about: String,
 }
 
@@ -60,10 +62,11 @@ impl Dice {
     }
 }
 
-/// A ground of one of four kinds with slopes of at most 1 in 10.
-fn ground(dice: &mut Dice, about: &mut String) -> ColliderBuilder {
+/// A ground of one of four kinds with slopes of at most 1 in 10, and whether it is solid.
+fn ground(dice: &mut Dice, about: &mut String) -> (ColliderBuilder, bool) {
     let cells = 6;
-    let (name, ground) = match dice.below(4) {
+    let kind = dice.below(4);
+    let (name, ground) = match kind {
         0 => (
             "cuboid",
             ColliderBuilder::cuboid(3.0, 0.5, 3.0).translation(Vector::Y * -0.5),
@@ -94,11 +97,12 @@ fn ground(dice: &mut Dice, about: &mut String) -> ColliderBuilder {
         }
     };
     writeln!(about, "  ground: {name}").unwrap();
-    ground.friction(dice.range(0.3, 0.9))
+    (ground.friction(dice.range(0.3, 0.9)), kind < 2)
 }
 
-/// A rigid shape of one of nine kinds.
-fn shape(dice: &mut Dice) -> (&'static str, ColliderBuilder) {
+/// A rigid shape of one of nine kinds. No mesh on a ground that is one, or a height field: Rapier has no contact between
+/// them.
+fn shape(dice: &mut Dice, on_solid: bool) -> (&'static str, ColliderBuilder) {
     let a = dice.range(0.08, 0.2);
     let b = dice.range(0.08, 0.2);
     let c = dice.range(0.08, 0.2);
@@ -131,6 +135,7 @@ fn shape(dice: &mut Dice) -> (&'static str, ColliderBuilder) {
             ];
             ("compound", ColliderBuilder::compound(parts))
         }
+        _ if !on_solid => ("cuboid", ColliderBuilder::cuboid(a, b, c)),
         _ => {
             let (points, faces) = Cuboid::new(Vector::new(a, b, c)).to_trimesh();
             let flags = TriMeshFlags::FIX_INTERNAL_EDGES;
@@ -218,7 +223,7 @@ pub fn scene(seed: u64) -> Scenery {
     world.integration_parameters.dt = DT as f32;
     let mut deformables = DeformableWorld::default();
     deformables.params.expected_dt = DT;
-    let floor = ground(&mut dice, &mut about);
+    let (floor, on_solid) = ground(&mut dice, &mut about);
     let (_, ground) = world.insert(RigidBodyBuilder::fixed(), floor);
     let mover = surroundings(&mut world);
     let groups = InteractionGroups::new(RIGID, Group::ALL & !MOVER, InteractionTestMode::And);
@@ -243,7 +248,7 @@ pub fn scene(seed: u64) -> Scenery {
             let builder = builder.translation(at).rotation(turn).linvel(speed);
             yielding.push(deformables.insert(builder).expect("a sound body"));
         } else {
-            let (name, collider) = shape(&mut dice);
+            let (name, collider) = shape(&mut dice, on_solid);
             let density = dice.decade(100.0, 2000.0);
             writeln!(about, "  rigid {name}: {density:.0} kg/m3 at {at:?}").unwrap();
             let body = RigidBodyBuilder::dynamic()
@@ -267,7 +272,7 @@ pub fn scene(seed: u64) -> Scenery {
         world.impulse_joints.insert(hard[0], hard[1], joint, true);
         writeln!(about, "  joint between the first two rigid bodies").unwrap();
     }
-    let mut held_by_mover = Vec::new();
+    let (mut held_by_mover, mut held_steadily) = (Vec::new(), Vec::new());
     let (kind, first) = (dice.below(6), yielding[0]);
     let target = match kind {
         0 => Some(AttachTo::World),
@@ -288,6 +293,9 @@ pub fn scene(seed: u64) -> Scenery {
         if kind == 2 {
             held_by_mover.push(held);
         }
+        if kind != 1 {
+            held_steadily.push(held);
+        }
     }
     Scenery {
         world,
@@ -295,6 +303,7 @@ pub fn scene(seed: u64) -> Scenery {
         ground,
         mover,
         held_by_mover,
+        held_steadily,
         about,
     }
 }
