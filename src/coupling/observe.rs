@@ -36,10 +36,12 @@ pub enum Answer {
     None,
     /// Like a free body.
     Free,
+    /// Pressed against other rigid bodies: its shadow keeps these contacts.
+    Pressed,
     /// Held by joints, and perhaps by rigid contacts too.
     Jointed,
-    /// Held by rigid contacts, or a link of a multibody.
-    Held,
+    /// A link of a multibody.
+    Link,
 }
 
 /// The share of an acceleration held over a Rapier step of n solver iterations that shows as displacement:
@@ -105,12 +107,13 @@ pub fn shadow(
     shadow.inv_inertia = scaled(inv_inertia(body), response.about);
     shadow.acceleration = acceleration * response.along;
     shadow.spin_up = spin_up * response.about;
-    if answer == Answer::Free {
+    let own = matches!(answer, Answer::Free | Answer::Pressed);
+    if own {
         shadow.lead = (displacement_share(body, around.parameters) - 0.5) * dt;
     }
     shadow.damping = (body.linear_damping().into(), body.angular_damping().into());
     let locked = !body.locked_axes().is_empty();
-    if answer == Answer::Free && !locked && body.gyroscopic_forces_enabled() {
+    if own && !locked && body.gyroscopic_forces_enabled() {
         let inertia = inv_inertia(body).inverse();
         if inertia.is_finite() {
             shadow.inertia = inertia;
@@ -150,11 +153,11 @@ pub fn answer(handle: RigidBodyHandle, body: &RigidBody, around: &Surroundings) 
         Answer::None
     } else if is_link(handle, around) {
         // Rapier rewrites the velocity of a link from its joint coordinates: impulses are lost on it, forces are not.
-        Answer::Held
+        Answer::Link
     } else if has_joint(handle, around) {
         Answer::Jointed
     } else if has_contact(body, around) {
-        Answer::Held
+        Answer::Pressed
     } else {
         Answer::Free
     }
@@ -186,27 +189,19 @@ pub fn response(
     memory: &mut BodyMemory,
     around: &Surroundings,
 ) -> Response {
-    if !matches!(answer, Answer::Jointed | Answer::Held) {
+    if !matches!(answer, Answer::Jointed | Answer::Link) {
         memory.response = None;
         return Response::all(1.0);
     }
     *memory
         .response
-        .get_or_insert_with(|| Response::all(first_guess(handle, body, answer, around)))
+        .get_or_insert_with(|| Response::all(first_guess(handle, body, around)))
 }
 
-/// Jointed to something that never moves: 0. Jointed to others: its share of their mass. Held by contacts only: 0.2.
-fn first_guess(
-    handle: RigidBodyHandle,
-    body: &RigidBody,
-    answer: Answer,
-    around: &Surroundings,
-) -> f64 {
+/// A link of a multibody: ½. Jointed to something that never moves: 0. Jointed to others: its share of their mass.
+fn first_guess(handle: RigidBodyHandle, body: &RigidBody, around: &Surroundings) -> f64 {
     if is_link(handle, around) {
         return 0.5;
-    }
-    if answer == Answer::Held {
-        return 0.2;
     }
     let mut component = vec![handle];
     let mut total = 0.0;
