@@ -32,10 +32,11 @@ impl Rows {
         };
         pass.prepare();
         pass.start_warm();
-        // Rows that share nodes take more passes when a blow finds them unprepared.
-        let shared = pass.contacts.iter().any(|row| row.terms.count > 1)
-            || (0..pass.contacts.len()).any(|i| pass.is_squeezed(i));
-        let most = if shared { 4 * passes } else { passes };
+        let most = if pass.is_coupled() {
+            4 * passes
+        } else {
+            passes
+        };
         for n in 0..most {
             pass.tolerance = if n < passes { 1e-9 } else { 1e-3 };
             let changed = if reversed == (n % 2 == 0) {
@@ -71,6 +72,13 @@ pub(super) struct Pass<'a> {
 }
 
 impl Pass<'_> {
+    /// Whether rows share nodes, or shadows press on each other: these take more passes when a blow finds them unprepared.
+    fn is_coupled(&self) -> bool {
+        !self.rigid.is_empty()
+            || self.contacts.iter().any(|row| row.terms.count > 1)
+            || (0..self.contacts.len()).any(|i| self.is_squeezed(i))
+    }
+
     fn prepare(&mut self) {
         for row in &mut *self.contacts {
             let shadow = &self.shadows[row.shadow as usize];
