@@ -142,28 +142,40 @@ impl Pass<'_> {
     pub fn solve_row(&mut self, i: usize) -> bool {
         let mut changed = self.press(i, self.contacts[i].mass);
         if let Some((slip, direction)) = self.slip(i) {
-            let row = &self.contacts[i];
-            let shadow = &self.shadows[row.shadow as usize];
-            let rigid = row.rigid_share * shadow.response(row.arm, direction);
-            let mass = inverse(self.points.response(row.terms) + rigid);
+            let mass = self.mass_along(i, direction);
             changed |= self.rub(i, slip, mass);
         }
         changed
     }
 
-    /// The normal impulse of a row with an effective mass of `mass` kg.
-    pub fn press(&mut self, i: usize, mass: f64) -> bool {
-        let row = &mut self.contacts[i];
-        let shadow = &mut self.shadows[row.shadow as usize];
+    /// Effective mass of a row alone along `direction` \[kg\].
+    pub fn mass_along(&self, i: usize, direction: DVec3) -> f64 {
+        let row = &self.contacts[i];
+        let shadow = &self.shadows[row.shadow as usize];
+        let rigid = row.rigid_share * shadow.response(row.arm, direction);
+        inverse(self.points.response(row.terms) + rigid)
+    }
+
+    /// By how much the normal velocity of a row exceeds what it must be at least \[m/s\].
+    #[inline(always)]
+    pub fn excess(&self, i: usize) -> f64 {
+        let row = &self.contacts[i];
+        let shadow = &self.shadows[row.shadow as usize];
         let relative = self.points.velocity(row.terms) - shadow.velocity_at(row.arm);
         let allowed = allowed_velocity(row.depth, self.h, row.softness) + row.turning;
-        let speed = relative.dot(row.normal) + row.softness * row.normal_impulse;
-        let jn = normal_impulse(row.normal_impulse, allowed, speed, mass);
+        relative.dot(row.normal) + row.softness * row.normal_impulse - allowed
+    }
+
+    /// The normal impulse of a row with an effective mass of `mass` kg.
+    pub fn press(&mut self, i: usize, mass: f64) -> bool {
+        let excess = self.excess(i);
+        let row = &mut self.contacts[i];
+        let jn = normal_impulse(row.normal_impulse, 0.0, excess, mass);
         let change = jn - row.normal_impulse;
         row.normal_impulse = jn;
         let along = row.normal * change;
         self.points.push(row.terms, along);
-        shadow.push(row.arm, -along * row.rigid_share);
+        self.shadows[row.shadow as usize].push(row.arm, -along * row.rigid_share);
         change.abs() > self.tolerance * jn
     }
 

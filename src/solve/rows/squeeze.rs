@@ -12,6 +12,9 @@ use crate::math::{DMat3, DVec3};
 const NONE: u32 = u32::MAX;
 /// Below this share of the response of its nodes alone, a row is held from both sides and can't be answered.
 const HELD: f64 = 1e-6;
+/// How often a row is tried in one visit, and what share of its velocity counts as settled.
+const TRIES: usize = 4;
+const SETTLED: f64 = 1e-3;
 
 /// The rows that act on one node alone, per node, and the rows that share a node with one of them.
 #[derive(Clone, Debug, Default)]
@@ -61,18 +64,71 @@ impl Squeeze {
 impl Pass<'_> {
     /// Solves a row whose nodes have rows of their own.
     pub(super) fn solve_squeezed(&mut self, i: usize) -> bool {
+        let pressed = self.press_squeezed(i);
+        let rubbed = self.rub_squeezed(i);
+        pressed | rubbed
+    }
+
+    /// The normal impulse. Which own rows will be active, and which of them stick, is known only afterwards, so a row that
+    /// did not come to rest is tried again. Its velocity grows with its impulse, slowly while the own rows hold and by the
+    /// nodes' own response once they don't: beyond zero that steepest slope leads back without crossing it again, before
+    /// zero the measured one leads on.
+    fn press_squeezed(&mut self, i: usize) -> bool {
         let row = &self.contacts[i];
-        let mass = self.squeezed_mass(i, row.normal, row.softness);
-        let mut changed = self.press(i, mass);
-        if changed {
-            self.answer(i);
-        }
-        if let Some((slip, direction)) = self.slip(i) {
-            let mass = self.squeezed_mass(i, direction, 0.0);
-            if self.rub(i, slip, mass) {
-                self.answer(i);
-                changed = true;
+        let mut mass = self.squeezed_mass(i, row.normal, row.softness);
+        let mut changed = false;
+        for _ in 0..TRIES {
+            let (j, v) = (self.contacts[i].normal_impulse, self.excess(i));
+            if !self.press(i, mass) {
+                break;
             }
+            changed = true;
+            self.answer(i);
+            let (change, left) = (self.contacts[i].normal_impulse - j, self.excess(i));
+            if left.abs() <= SETTLED * v.abs() {
+                break;
+            }
+            mass = if left > 0.0 {
+                self.contacts[i].mass
+            } else {
+                change / (left - v)
+            };
+            if !(mass > 0.0) {
+                break;
+            }
+        }
+        changed
+    }
+
+    /// The friction impulse, likewise.
+    fn rub_squeezed(&mut self, i: usize) -> bool {
+        let Some((slip, direction)) = self.slip(i) else {
+            return false;
+        };
+        let alone = self.mass_along(i, direction);
+        let mut mass = self.squeezed_mass(i, direction, 0.0);
+        let (mut slip, mut changed) = (slip, false);
+        for _ in 0..TRIES {
+            let before = self.contacts[i].friction_impulse;
+            if !self.rub(i, slip, mass) {
+                break;
+            }
+            changed = true;
+            self.answer(i);
+            let change = self.contacts[i].friction_impulse - before;
+            let left = self.slip(i).map_or(DVec3::ZERO, |(slip, _)| slip);
+            if left.length() <= SETTLED * slip.length() {
+                break;
+            }
+            mass = if left.dot(slip) < 0.0 {
+                alone
+            } else {
+                change.length_squared() / (left - slip).dot(change)
+            };
+            if !(mass > 0.0) {
+                break;
+            }
+            slip = left;
         }
         changed
     }
