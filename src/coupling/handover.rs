@@ -6,7 +6,7 @@
 //! gets the mean force, so that Rapier's own constraints can answer it, and the answer is measured. A mean force does not
 //! know when in the step the impulse came; where joints answer, which are linear, an impulse is split off so that the
 //! body also ends where its shadow is. (Without it a jointed pair leaves a hard impact 3 % too slow.) Rigid contacts are
-//! one-sided, and a split-off impulse may pull: bodies held by them get the mean force alone.
+//! one-sided, and a split-off impulse may pull: bodies that press on others get the mean force alone.
 
 use super::linkage::Mobility;
 use super::memory::BodyMemory;
@@ -81,7 +81,7 @@ pub fn before_step(
             body.apply_torque_impulse(narrow(torque), false);
             pending.given = (impulse, torque);
         }
-        Answer::Jointed | Answer::Held => {
+        Answer::Pressed | Answer::Jointed | Answer::Link => {
             pending.free = mobility.answer(end.impulse, end.torque, dt);
             let mut early = (DVec3::ZERO, DVec3::ZERO);
             // With one solver iteration Rapier gives force and impulse the same displacement: nothing to split.
@@ -149,18 +149,20 @@ pub fn after_step(
             body.apply_impulse(narrow(end.impulse - pending.given.0), false);
             body.apply_torque_impulse(narrow(end.torque - pending.given.1), false);
         }
-        Answer::Jointed | Answer::Held => {
+        Answer::Pressed | Answer::Jointed | Answer::Link => {
             body.reset_forces(false);
             body.reset_torques(false);
             body.add_force(pending.user.0, false);
             body.add_torque(pending.user.1, false);
-            let (v, w) = pending.before;
-            memory.answer(
-                wide(body.linvel()) - v,
-                pending.free.0,
-                wide(body.angvel()) - w,
-                pending.free.1,
-            );
+            if pending.answer != Answer::Pressed {
+                let (v, w) = pending.before;
+                memory.answer(
+                    wide(body.linvel()) - v,
+                    pending.free.0,
+                    wide(body.angvel()) - w,
+                    pending.free.1,
+                );
+            }
         }
     }
     0.5 * (end.impulse.dot(end.v - wide(body.linvel()))

@@ -1,9 +1,10 @@
 //! Coupling with Rapier's rigid bodies: seen as shadows during substeps, answered with one hand-over per rigid step.
 //!
 //! Freezing rigid bodies for a frame and giving them one impulse at its end, as plugins usually do, explodes as soon as a
-//! light deformable carries a heavy body. Shadows move with every substep. How joints hold a body is computed from
-//! Rapier's own; what else holds it, rigid contacts above all, is measured: the response ratio ρ compares what Rapier did
-//! with the last impulse to what the body would have done without.
+//! light deformable carries a heavy body. Shadows move with every substep, keep the contacts that Rapier found between
+//! their bodies, and give way as Rapier's joints let them. What they can't know, such as how a link of a multibody answers,
+//! is measured: the response ratio ρ compares what Rapier did with the last impulse to what the body would have done
+//! without.
 
 pub mod attach;
 pub mod handover;
@@ -11,4 +12,5 @@ pub mod linkage;
 pub mod memory;
 pub mod nearest;
 pub mod observe;
+pub mod pressed;
 pub mod ties;

@@ -37,10 +37,12 @@ pub enum Answer {
     None,
     /// Like a free body.
     Free,
+    /// Pressed against other rigid bodies: its shadow keeps these contacts.
+    Pressed,
     /// Held by joints, and perhaps by rigid contacts too.
     Jointed,
-    /// Held by rigid contacts, or a link of a multibody.
-    Held,
+    /// A link of a multibody.
+    Link,
 }
 
 /// The share of an acceleration held over a Rapier step of n solver iterations that shows as displacement:
@@ -108,12 +110,13 @@ pub fn shadow(
     shadow.inv_inertia = scaled(about, mobility.inv_inertia, about);
     shadow.acceleration = mobility.acceleration * along;
     shadow.spin_up = mobility.spin_up * about;
-    if answer == Answer::Free {
+    let own = matches!(answer, Answer::Free | Answer::Pressed);
+    if own {
         shadow.lead = (displacement_share(body, around.parameters) - 0.5) * dt;
     }
     shadow.damping = (body.linear_damping().into(), body.angular_damping().into());
     let locked = !body.locked_axes().is_empty();
-    if answer == Answer::Free && !locked && body.gyroscopic_forces_enabled() {
+    if own && !locked && body.gyroscopic_forces_enabled() {
         let inertia = inv_inertia(body).inverse();
         if inertia.is_finite() {
             shadow.inertia = inertia;
@@ -153,11 +156,11 @@ pub fn answer(handle: RigidBodyHandle, body: &RigidBody, around: &Surroundings) 
         Answer::None
     } else if is_link(handle, around) {
         // Rapier rewrites the velocity of a link from its joint coordinates: impulses are lost on it, forces are not.
-        Answer::Held
+        Answer::Link
     } else if has_joint(handle, around) {
         Answer::Jointed
     } else if has_contact(body, around) {
-        Answer::Held
+        Answer::Pressed
     } else {
         Answer::Free
     }
@@ -195,18 +198,12 @@ pub fn response(
         Answer::Jointed => linkage::mobility(handle, around, dt),
         _ => Mobility::free(body, around.gravity),
     };
-    if mobility.alone && answer != Answer::Held {
+    if mobility.alone && answer != Answer::Link {
         memory.response = None;
         return (mobility, Response::all(1.0));
     }
-    // A link of a multibody: ½. Held by contacts: 0.2. What contacts do to joined bodies is in their mobility.
-    let guess = || match answer {
-        Answer::Jointed => 1.0,
-        _ if is_link(handle, around) => 0.5,
-        _ => 0.2,
-    };
-    let known = memory
-        .response
-        .get_or_insert_with(|| Response::all(guess()));
+    // What contacts do to joined bodies is in their mobility.
+    let guess = if answer == Answer::Link { 0.5 } else { 1.0 };
+    let known = memory.response.get_or_insert_with(|| Response::all(guess));
     (mobility, *known)
 }

@@ -2,6 +2,7 @@
 
 use super::meet::Meeting;
 use super::observer::Partner;
+use super::pressed::heap;
 use super::reach::Search;
 use super::report::StepReport;
 use super::substep::{Group, NEAR};
@@ -141,11 +142,15 @@ impl DeformableWorld {
             };
             group.add_attachment(member, other, shadow, handle, bond.clone());
         }
+        for group in groups.values_mut() {
+            group.find_rigid_contacts(&mut self.memory, &around, dt);
+        }
         self.resume_encounters(&mut groups, &group_of, &handles, &meetings);
         groups.into_values().collect()
     }
 
-    /// The smallest member index of the group of each deformable: those that meet or share a dynamic body are joined.
+    /// The smallest member index of the group of each deformable: those that meet, or touch the same dynamic body or the
+    /// same heap of them, are joined.
     fn join(&self, reaches: &[Reach], meetings: &[Meeting], parts: &RapierParts) -> Vec<usize> {
         let mut parent: Vec<usize> = (0..reaches.len()).collect();
         fn root(parent: &[usize], mut i: usize) -> usize {
@@ -154,6 +159,7 @@ impl DeformableWorld {
             }
             i
         }
+        let around = parts.surroundings();
         let mut first: BTreeMap<BodyKey, usize> = BTreeMap::new();
         for (i, reach) in reaches.iter().enumerate() {
             let touched = reach.targets.iter().filter_map(|t| t.body);
@@ -165,9 +171,18 @@ impl DeformableWorld {
                 if !parts.bodies.get(body).is_some_and(|b| b.is_dynamic()) {
                     continue;
                 }
-                let other = *first.entry(body.into_raw_parts()).or_insert(i);
-                let (a, b) = (root(&parent, i), root(&parent, other));
-                parent[a.max(b)] = a.min(b);
+                let others = match first.get(&body.into_raw_parts()) {
+                    Some(&other) => vec![other],
+                    None => {
+                        let heap = heap(body, &around).into_iter();
+                        heap.map(|b| *first.entry(b.into_raw_parts()).or_insert(i))
+                            .collect()
+                    }
+                };
+                for other in others {
+                    let (a, b) = (root(&parent, i), root(&parent, other));
+                    parent[a.max(b)] = a.min(b);
+                }
             }
             for handle in &reach.attachments {
                 let bond = self.attachments.get(handle.0);
@@ -286,7 +301,7 @@ impl DeformableWorld {
 }
 
 /// Index of the shadow of a body in the group, made if it is not there. Shadow 0 is the fixed world.
-fn shadow_of(
+pub(super) fn shadow_of(
     group: &mut Group,
     body: Option<RigidBodyHandle>,
     memory: &mut BTreeMap<BodyKey, BodyMemory>,

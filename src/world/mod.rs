@@ -18,6 +18,7 @@ mod motion;
 mod observer;
 mod params;
 mod parts;
+mod pressed;
 mod query;
 mod reach;
 mod report;

@@ -104,6 +104,7 @@ impl Group {
 
     /// Brings the velocities of shadows to the instants of the group's substeps.
     pub fn synchronise(&mut self, h: f64) {
+        self.start_rigid_contacts(h);
         for shadow in &mut self.shadows[1..] {
             shadow.synchronise(h);
         }

@@ -1,0 +1,197 @@
+//! Rows: contacts and ties of one substep, solved together by sequential impulses.
+//!
+//! Contact and coupling only fill rows; this pass knows nodes, shadows and numbers. Impulses on single nodes are
+//! accumulated from zero in every substep (a warm start would keep squeezed bodies awake for ever); rows that share nodes
+//! start from their last impulses, or four passes would leave a light node in a heavy grip trembling. The order is fixed,
+//! and reversed in every other pass, so that the bias of one order does not add up to a spin. Nodes appear once, however
+//! many rows they have.
+//!
+//! A light node between two heavy bodies takes as many passes as they are heavier than it, if each row sees the node
+//! alone. Rows that share a node with rows on that node alone see what those make of it instead, see `squeeze`.
+
+mod pass;
+mod points;
+mod rigid;
+mod squeeze;
+
+use crate::math::{DMat3, DVec3};
+pub use rigid::RigidRow;
+use squeeze::Squeeze;
+
+/// A node that has at least one row.
+#[derive(Clone, Copy, Debug)]
+pub struct RowNode {
+    /// Index of the body within its group.
+    pub body: u32,
+    /// Index of the node within its body.
+    pub node: u32,
+    /// 1/m \[1/kg\].
+    pub inv_mass: f64,
+    /// Velocity, changed by the pass \[m/s\].
+    pub v: DVec3,
+    /// Velocity after the free part of the substep \[m/s\].
+    pub free: DVec3,
+    /// Velocity at the end of the last substep \[m/s\].
+    pub before: DVec3,
+}
+
+/// A node's part in a row: the row sees the point Σ weight · node, and node k takes the impulse share · j.
+#[derive(Clone, Copy, Debug)]
+pub struct Term {
+    /// Index into the row nodes.
+    pub node: u32,
+    /// Weight in the point's velocity: barycentric for a point of a face, negative on the far side of a row between two
+    /// deformables.
+    pub weight: f64,
+    /// The weight again, or 0 for a body that dominates the other side and takes nothing.
+    pub share: f64,
+}
+
+/// Where the terms of a row stand.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Terms {
+    first: u32,
+    count: u32,
+}
+
+impl Terms {
+    #[inline(always)]
+    fn range(self) -> std::ops::Range<usize> {
+        self.first as usize..(self.first + self.count) as usize
+    }
+}
+
+/// A unilateral contact with friction, of a point with a shadow or of points of two deformables.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// The nodes of the point.
+    pub terms: Terms,
+    /// Index into the shadows; 0 for a row between two deformables.
+    pub shadow: u32,
+    /// Which pair of deformable and partner the impulse is counted for.
+    pub pair: u32,
+    /// Whether it lies between two deformables.
+    pub between: bool,
+    /// From the collider, or the second deformable, to the outside.
+    pub normal: DVec3,
+    /// Signed depth, positive inside \[m\].
+    pub depth: f64,
+    /// From the shadow's centre of mass to the point \[m\].
+    pub arm: DVec3,
+    /// What the shadow takes of the impulse: 1, or 0 for a body that dominates the deformable.
+    pub rigid_share: f64,
+    /// Coulomb's μ.
+    pub friction: f64,
+    /// 0 for a rigid contact, 1/(h²k) of one with a stiffness of k N/m \[1/kg\].
+    pub softness: f64,
+    /// How far the point has slipped from where friction took hold of it \[m\].
+    pub drift: DVec3,
+    /// Normal impulse of earlier substeps that friction has not answered yet \[N·s\].
+    pub carried: f64,
+    /// Accumulated normal impulse \[N·s\].
+    pub normal_impulse: f64,
+    /// Accumulated friction impulse \[N·s\].
+    pub friction_impulse: DVec3,
+    /// Effective mass along the normal \[kg\]; set by the pass.
+    pub mass: f64,
+    /// How much faster the surface turns towards the point than it moves at the start of the substep \[m/s\]; set by the
+    /// pass.
+    pub turning: f64,
+}
+
+impl Row {
+    /// Impulse on the point so far \[N·s\].
+    pub fn impulse(&self) -> DVec3 {
+        self.normal * self.normal_impulse + self.friction_impulse
+    }
+
+    /// The most that friction can do \[N·s\].
+    pub fn friction_limit(&self) -> f64 {
+        self.friction * (self.normal_impulse + self.carried)
+    }
+
+    /// Whether friction holds the point: it is pressed on, and not at the limit of its cone.
+    pub fn sticks(&self) -> bool {
+        self.normal_impulse > 0.0
+            && self.friction_impulse.length() < self.friction_limit() * (1.0 - 1e-9)
+    }
+}
+
+/// A point held at a point of a shadow, or of another deformable.
+#[derive(Clone, Copy, Debug)]
+pub struct Tie {
+    /// The nodes of the point; of a tie between two deformables, those of the other one with negative weights.
+    pub terms: Terms,
+    /// Index into the shadows; 0 for a tie between two deformables.
+    pub shadow: u32,
+    /// Which attachment the impulse is counted for.
+    pub attachment: u32,
+    /// Whether it lies between two deformables.
+    pub between: bool,
+    /// From the shadow's centre of mass to the anchor \[m\].
+    pub arm: DVec3,
+    /// Point minus anchor \[m\].
+    pub error: DVec3,
+    /// Velocity relative to the anchor at the end of the last substep \[m/s\].
+    pub before: DVec3,
+    /// What the anchor's mean velocity over the substep differs from that at its start \[m/s\].
+    pub chord: DVec3,
+    /// Velocity the point must have relative to the anchor's \[m/s\].
+    pub bias: DVec3,
+    /// 0 for a rigid tie, that of [`link`](crate::law::row::link) for a link \[1/kg\].
+    pub softness: f64,
+    /// Accumulated impulse on the node \[N·s\].
+    pub impulse: DVec3,
+    /// Effective mass \[kg\]; set by the pass.
+    pub mass: DMat3,
+}
+
+/// All rows of a group in a substep.
+#[derive(Clone, Debug, Default)]
+pub struct Rows {
+    /// Their nodes.
+    pub nodes: Vec<RowNode>,
+    /// Their terms, row after row.
+    pub terms: Vec<Term>,
+    /// Contacts, sorted by collider and node.
+    pub contacts: Vec<Row>,
+    /// Ties, sorted by attachment and node.
+    pub ties: Vec<Tie>,
+    /// Contacts of shadows with each other; these stay when the others are cleared.
+    pub rigid: Vec<RigidRow>,
+    squeeze: Squeeze,
+}
+
+impl Rows {
+    /// Forgets the rows of a substep, keeping the memory.
+    pub fn clear(&mut self) {
+        self.nodes.clear();
+        self.terms.clear();
+        self.contacts.clear();
+        self.ties.clear();
+    }
+
+    /// Adds the terms of a row: row nodes, weights, and what each takes of the impulse.
+    pub fn add_terms(&mut self, terms: impl IntoIterator<Item = Term>) -> Terms {
+        let first = self.terms.len();
+        self.terms.extend(terms);
+        self.terms_since(first)
+    }
+
+    /// The terms that have been added since there were `first`.
+    pub fn terms_since(&self, first: usize) -> Terms {
+        Terms {
+            first: first as u32,
+            count: (self.terms.len() - first) as u32,
+        }
+    }
+
+    /// The terms of a row.
+    #[inline(always)]
+    pub fn terms_of(&self, terms: Terms) -> &[Term] {
+        &self.terms[terms.range()]
+    }
+}
+
+#[cfg(test)]
+mod tests;

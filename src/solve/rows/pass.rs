@@ -1,0 +1,244 @@
+//! Gauss–Seidel passes over all rows of a group.
+
+use super::points::Points;
+use super::squeeze::Squeeze;
+use super::{RigidRow, Row, Rows, Tie};
+use crate::law::row::{allowed_velocity, friction_impulse, normal_impulse, turning};
+use crate::math::{DMat3, DVec3};
+use crate::solve::shadow::Shadow;
+
+impl Rows {
+    /// Solves all rows in at most `passes` passes, stopping once a pass changes nothing, and books the impulses to the
+    /// shadows. `reversed` picks the order of the first pass.
+    pub fn solve(&mut self, shadows: &mut [Shadow], h: f64, passes: usize, reversed: bool) {
+        let squeezed = self.contacts.len() > 1;
+        if squeezed {
+            self.squeeze
+                .find(self.nodes.len(), &self.contacts, &self.terms);
+        }
+        let mut pass = Pass {
+            points: Points {
+                nodes: &mut self.nodes,
+                terms: &self.terms,
+            },
+            contacts: &mut self.contacts,
+            ties: &mut self.ties,
+            rigid: &mut self.rigid,
+            shadows,
+            squeeze: &self.squeeze,
+            squeezed,
+            h,
+            tolerance: 0.0,
+        };
+        pass.prepare();
+        pass.start_warm();
+        let most = if pass.is_coupled() {
+            4 * passes
+        } else {
+            passes
+        };
+        for n in 0..most {
+            pass.tolerance = if n < passes { 1e-9 } else { 1e-3 };
+            let changed = if reversed == (n % 2 == 0) {
+                pass.solve_rigid(true)
+                    | pass.solve_contacts((0..pass.contacts.len()).rev())
+                    | pass.solve_ties((0..pass.ties.len()).rev())
+            } else {
+                pass.solve_ties(0..pass.ties.len())
+                    | pass.solve_contacts(0..pass.contacts.len())
+                    | pass.solve_rigid(false)
+            };
+            if !changed {
+                break;
+            }
+        }
+        pass.book();
+    }
+}
+
+/// What a pass works on.
+pub(super) struct Pass<'a> {
+    pub points: Points<'a>,
+    pub contacts: &'a mut [Row],
+    pub ties: &'a mut [Tie],
+    pub rigid: &'a mut [RigidRow],
+    pub shadows: &'a mut [Shadow],
+    pub squeeze: &'a Squeeze,
+    /// Whether `squeeze` is of these rows.
+    squeezed: bool,
+    h: f64,
+    /// Relative change of an impulse below which it counts as settled.
+    tolerance: f64,
+}
+
+impl Pass<'_> {
+    /// Whether rows share nodes, or shadows press on each other: these take more passes when a blow finds them unprepared.
+    fn is_coupled(&self) -> bool {
+        !self.rigid.is_empty()
+            || self.contacts.iter().any(|row| row.terms.count > 1)
+            || (0..self.contacts.len()).any(|i| self.is_squeezed(i))
+    }
+
+    fn prepare(&mut self) {
+        for row in &mut *self.contacts {
+            let shadow = &self.shadows[row.shadow as usize];
+            let rigid = row.rigid_share * shadow.response(row.arm, row.normal);
+            row.mass = inverse(self.points.response(row.terms) + rigid + row.softness);
+            if shadow.w != DVec3::ZERO {
+                let relative = self.points.velocity(row.terms) - shadow.velocity_at(row.arm);
+                row.turning = turning(shadow.w, relative, row.arm, row.normal, self.h);
+            }
+        }
+        for tie in &mut *self.ties {
+            let own = self.points.response(tie.terms) + tie.softness;
+            let k = DMat3::from_diagonal(DVec3::splat(own))
+                + self.shadows[tie.shadow as usize].response_matrix(tie.arm);
+            tie.mass = if k.determinant() > 0.0 {
+                k.inverse()
+            } else {
+                DMat3::ZERO
+            };
+        }
+    }
+
+    fn solve_rigid(&mut self, reversed: bool) -> bool {
+        let (shadows, tolerance) = (&mut *self.shadows, self.tolerance);
+        let solve = |changed: bool, row: &mut RigidRow| row.solve(shadows, tolerance) | changed;
+        if reversed {
+            self.rigid.iter_mut().rev().fold(false, solve)
+        } else {
+            self.rigid.iter_mut().fold(false, solve)
+        }
+    }
+
+    fn start_warm(&mut self) {
+        for row in &mut *self.rigid {
+            row.start(self.shadows, self.h);
+        }
+        for row in self.contacts.iter().filter(|r| r.normal_impulse > 0.0) {
+            let j = row.impulse();
+            self.points.push(row.terms, j);
+            self.shadows[row.shadow as usize].push(row.arm, -j * row.rigid_share);
+        }
+        for tie in self.ties.iter().filter(|t| t.impulse != DVec3::ZERO) {
+            self.points.push(tie.terms, tie.impulse);
+            self.shadows[tie.shadow as usize].push(tie.arm, -tie.impulse);
+        }
+    }
+
+    fn solve_contacts(&mut self, order: impl Iterator<Item = usize>) -> bool {
+        let mut changed = false;
+        for i in order {
+            changed |= if self.is_squeezed(i) {
+                self.solve_squeezed(i)
+            } else {
+                self.solve_row(i)
+            };
+        }
+        changed
+    }
+
+    fn is_squeezed(&self, i: usize) -> bool {
+        self.squeezed && self.squeeze.shares(i)
+    }
+
+    /// Solves a row as if it were the only one; whether it was not settled yet.
+    pub fn solve_row(&mut self, i: usize) -> bool {
+        let mut changed = self.press(i, self.contacts[i].mass);
+        if let Some((slip, direction)) = self.slip(i) {
+            let mass = self.mass_along(i, direction);
+            changed |= self.rub(i, slip, mass);
+        }
+        changed
+    }
+
+    /// Effective mass of a row alone along `direction` \[kg\].
+    pub fn mass_along(&self, i: usize, direction: DVec3) -> f64 {
+        let row = &self.contacts[i];
+        let shadow = &self.shadows[row.shadow as usize];
+        let rigid = row.rigid_share * shadow.response(row.arm, direction);
+        inverse(self.points.response(row.terms) + rigid)
+    }
+
+    /// By how much the normal velocity of a row exceeds what it must be at least \[m/s\].
+    #[inline(always)]
+    pub fn excess(&self, i: usize) -> f64 {
+        let row = &self.contacts[i];
+        let shadow = &self.shadows[row.shadow as usize];
+        let relative = self.points.velocity(row.terms) - shadow.velocity_at(row.arm);
+        let allowed = allowed_velocity(row.depth, self.h, row.softness) + row.turning;
+        relative.dot(row.normal) + row.softness * row.normal_impulse - allowed
+    }
+
+    /// The normal impulse of a row with an effective mass of `mass` kg.
+    pub fn press(&mut self, i: usize, mass: f64) -> bool {
+        let excess = self.excess(i);
+        let row = &mut self.contacts[i];
+        let jn = normal_impulse(row.normal_impulse, 0.0, excess, mass);
+        let change = jn - row.normal_impulse;
+        row.normal_impulse = jn;
+        let along = row.normal * change;
+        self.points.push(row.terms, along);
+        self.shadows[row.shadow as usize].push(row.arm, -along * row.rigid_share);
+        change.abs() > self.tolerance * jn
+    }
+
+    /// The slip velocity of a row and its direction, if there is slip and friction.
+    pub fn slip(&self, i: usize) -> Option<(DVec3, DVec3)> {
+        let row = &self.contacts[i];
+        if row.friction_limit() <= 0.0 && row.friction_impulse == DVec3::ZERO {
+            return None;
+        }
+        let shadow = &self.shadows[row.shadow as usize];
+        let relative = self.points.velocity(row.terms) - shadow.velocity_at(row.arm);
+        let slip = relative - row.normal * relative.dot(row.normal);
+        let speed = slip.length();
+        (speed > 0.0).then(|| (slip, slip / speed))
+    }
+
+    /// The friction impulse of a row against `slip` m/s, with an effective mass of `mass` kg.
+    pub fn rub(&mut self, i: usize, slip: DVec3, mass: f64) -> bool {
+        let row = &mut self.contacts[i];
+        let jt = friction_impulse(row.friction_impulse, slip, mass, row.friction_limit());
+        let change = jt - row.friction_impulse;
+        row.friction_impulse = jt;
+        self.points.push(row.terms, change);
+        self.shadows[row.shadow as usize].push(row.arm, -change * row.rigid_share);
+        change.length() > self.tolerance * row.normal_impulse
+    }
+
+    fn solve_ties(&mut self, order: impl Iterator<Item = usize>) -> bool {
+        let mut changed = false;
+        for i in order {
+            let tie = &mut self.ties[i];
+            let shadow = &mut self.shadows[tie.shadow as usize];
+            let wanted = shadow.velocity_at(tie.arm) + tie.bias - tie.impulse * tie.softness;
+            let change = tie.mass * (wanted - self.points.velocity(tie.terms));
+            tie.impulse += change;
+            changed |= change.length() > self.tolerance * tie.impulse.length();
+            self.points.push(tie.terms, change);
+            shadow.push(tie.arm, -change);
+        }
+        changed
+    }
+
+    /// The reactions, summed up for the hand-over.
+    fn book(&mut self) {
+        let mut book = |shadow: u32, arm: DVec3, j: DVec3| {
+            let shadow = &mut self.shadows[shadow as usize];
+            shadow.impulse -= j;
+            shadow.torque -= arm.cross(j);
+        };
+        for row in &*self.contacts {
+            book(row.shadow, row.arm, row.impulse() * row.rigid_share);
+        }
+        for tie in self.ties.iter().filter(|t| !t.between) {
+            book(tie.shadow, tie.arm, tie.impulse);
+        }
+    }
+}
+
+/// 1/k, or 0 for what does not give way at all.
+fn inverse(k: f64) -> f64 {
+    if k > 0.0 { 1.0 / k } else { 0.0 }
+}

@@ -1,0 +1,43 @@
+//! The points that rows act on: weighted sums of nodes.
+
+use super::{RowNode, Term, Terms};
+use crate::math::DVec3;
+
+pub(super) struct Points<'a> {
+    pub nodes: &'a mut [RowNode],
+    pub terms: &'a [Term],
+}
+
+impl Points<'_> {
+    #[inline(always)]
+    pub fn terms_of(&self, terms: Terms) -> &[Term] {
+        &self.terms[terms.range()]
+    }
+
+    #[inline(always)]
+    pub fn velocity(&self, terms: Terms) -> DVec3 {
+        let mut v = DVec3::ZERO;
+        for term in self.terms_of(terms) {
+            v += self.nodes[term.node as usize].v * term.weight;
+        }
+        v
+    }
+
+    /// Inverse of the mass felt at a point \[1/kg\].
+    #[inline(always)]
+    pub fn response(&self, terms: Terms) -> f64 {
+        let mut k = 0.0;
+        for term in self.terms_of(terms) {
+            k += term.weight * term.share * self.nodes[term.node as usize].inv_mass;
+        }
+        k
+    }
+
+    #[inline(always)]
+    pub fn push(&mut self, terms: Terms, impulse: DVec3) {
+        for term in &self.terms[terms.range()] {
+            let node = &mut self.nodes[term.node as usize];
+            node.v += impulse * (node.inv_mass * term.share);
+        }
+    }
+}

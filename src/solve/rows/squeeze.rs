@@ -1,0 +1,200 @@
+//! Nodes that have a row of their own and further rows: squeezed between bodies.
+//!
+//! Sequential impulses carry momentum across a node of mass m between bodies of mass M in about M/m passes, for each row
+//! sees only the node. Here a row sees the node together with its other rows: what is pressed on a floor does not give
+//! way at all, and what is pressed on a body moves with it. That is the Schur complement of the node's own rows in the
+//! system of all rows, taken over those that are active. After every such impulse the node's own rows answer at once.
+
+use super::pass::Pass;
+use super::{Row, Term};
+use crate::math::{DMat3, DVec3};
+
+const NONE: u32 = u32::MAX;
+/// Below this share of the response of its nodes alone, a row is held from both sides and can't be answered.
+const HELD: f64 = 1e-6;
+/// How often a row is tried in one visit, and what share of its velocity counts as settled.
+const TRIES: usize = 4;
+const SETTLED: f64 = 1e-3;
+
+/// The rows that act on one node alone, per node, and the rows that share a node with one of them.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Squeeze {
+    /// Per node, its first own row.
+    first: Vec<u32>,
+    /// Per row, the next one on the same node.
+    next: Vec<u32>,
+    /// Per row, whether a node of it has an own row that is another one.
+    shared: Vec<bool>,
+}
+
+impl Squeeze {
+    pub fn find(&mut self, nodes: usize, contacts: &[Row], terms: &[Term]) {
+        self.first.clear();
+        self.first.resize(nodes, NONE);
+        self.next.clear();
+        self.next.resize(contacts.len(), NONE);
+        for (i, row) in contacts.iter().enumerate().rev() {
+            if let [only] = &terms[row.terms.range()] {
+                let first = &mut self.first[only.node as usize];
+                self.next[i] = std::mem::replace(first, i as u32);
+            }
+        }
+        let mut shared = std::mem::take(&mut self.shared);
+        shared.clear();
+        shared.extend(contacts.iter().enumerate().map(|(i, row)| {
+            let mut terms = terms[row.terms.range()].iter();
+            terms.any(|t| self.own(t.node).any(|own| own != i))
+        }));
+        self.shared = shared;
+    }
+
+    /// Whether a row shares a node with another row on that node alone.
+    pub fn shares(&self, row: usize) -> bool {
+        self.shared[row]
+    }
+
+    /// The rows that act on this node alone.
+    fn own(&self, node: u32) -> impl Iterator<Item = usize> + '_ {
+        let link = |i: u32| (i != NONE).then_some(i);
+        let first = link(self.first[node as usize]);
+        std::iter::successors(first, move |&i| link(self.next[i as usize])).map(|i| i as usize)
+    }
+}
+
+impl Pass<'_> {
+    /// Solves a row whose nodes have rows of their own.
+    pub(super) fn solve_squeezed(&mut self, i: usize) -> bool {
+        let pressed = self.press_squeezed(i);
+        let rubbed = self.rub_squeezed(i);
+        pressed | rubbed
+    }
+
+    /// The normal impulse. Which own rows will be active, and which of them stick, is known only afterwards, so a row that
+    /// did not come to rest is tried again. Its velocity grows with its impulse, slowly while the own rows hold and by the
+    /// nodes' own response once they don't: beyond zero that steepest slope leads back without crossing it again, before
+    /// zero the measured one leads on.
+    fn press_squeezed(&mut self, i: usize) -> bool {
+        let row = &self.contacts[i];
+        let mut mass = self.squeezed_mass(i, row.normal, row.softness);
+        let mut changed = false;
+        for _ in 0..TRIES {
+            let (j, v) = (self.contacts[i].normal_impulse, self.excess(i));
+            if !self.press(i, mass) {
+                break;
+            }
+            changed = true;
+            self.answer(i);
+            let (change, left) = (self.contacts[i].normal_impulse - j, self.excess(i));
+            if left.abs() <= SETTLED * v.abs() {
+                break;
+            }
+            mass = if left > 0.0 {
+                self.contacts[i].mass
+            } else {
+                change / (left - v)
+            };
+            if !(mass > 0.0) {
+                break;
+            }
+        }
+        changed
+    }
+
+    /// The friction impulse, likewise.
+    fn rub_squeezed(&mut self, i: usize) -> bool {
+        let Some((slip, direction)) = self.slip(i) else {
+            return false;
+        };
+        let alone = self.mass_along(i, direction);
+        let mut mass = self.squeezed_mass(i, direction, 0.0);
+        let (mut slip, mut changed) = (slip, false);
+        for _ in 0..TRIES {
+            let before = self.contacts[i].friction_impulse;
+            if !self.rub(i, slip, mass) {
+                break;
+            }
+            changed = true;
+            self.answer(i);
+            let change = self.contacts[i].friction_impulse - before;
+            let left = self.slip(i).map_or(DVec3::ZERO, |(slip, _)| slip);
+            if left.length() <= SETTLED * slip.length() {
+                break;
+            }
+            mass = if left.dot(slip) < 0.0 {
+                alone
+            } else {
+                change.length_squared() / (left - slip).dot(change)
+            };
+            if !(mass > 0.0) {
+                break;
+            }
+            slip = left;
+        }
+        changed
+    }
+
+    /// Lets the own rows of a row's nodes answer what it did.
+    fn answer(&mut self, i: usize) {
+        let squeeze = self.squeeze;
+        let terms = self.points.terms;
+        for term in &terms[self.contacts[i].terms.range()] {
+            for own in squeeze.own(term.node).filter(|own| *own != i) {
+                self.solve_row(own);
+            }
+        }
+    }
+
+    /// Effective mass of a row along `direction` with the active own rows of its nodes \[kg\].
+    fn squeezed_mass(&self, i: usize, direction: DVec3, softness: f64) -> f64 {
+        let row = &self.contacts[i];
+        let rigid =
+            row.rigid_share * self.shadows[row.shadow as usize].response(row.arm, direction);
+        let (mut alone, mut squeezed) = (0.0, 0.0);
+        for term in self.points.terms_of(row.terms) {
+            let share = term.weight * term.share;
+            alone += share * self.points.nodes[term.node as usize].inv_mass;
+            squeezed += share
+                * self
+                    .node_response(term.node, i)
+                    .mul_vec3(direction)
+                    .dot(direction);
+        }
+        let k = squeezed.max(0.0) + rigid + softness;
+        if k > HELD * alone {
+            1.0 / k
+        } else if alone > 0.0 {
+            1.0 / alone
+        } else {
+            0.0
+        }
+    }
+
+    /// The inverse mass matrix of a node that is held by its active own rows, but for row `but` \[1/kg\].
+    fn node_response(&self, node: u32, but: usize) -> DMat3 {
+        let inv_mass = self.points.nodes[node as usize].inv_mass;
+        let mut response = DMat3::from_diagonal(DVec3::splat(inv_mass));
+        for own in self.squeeze.own(node).filter(|own| *own != but) {
+            let row = &self.contacts[own];
+            if row.normal_impulse <= 0.0 {
+                continue;
+            }
+            let shadow = &self.shadows[row.shadow as usize];
+            let mut hold = |direction: DVec3, softness: f64| {
+                let given = response * direction;
+                let rigid = row.rigid_share * shadow.response(row.arm, direction);
+                let k = direction.dot(given) + rigid + softness;
+                if k > HELD * inv_mass {
+                    let by = given / k;
+                    response -= DMat3::from_cols(given * by.x, given * by.y, given * by.z);
+                }
+            };
+            hold(row.normal, row.softness);
+            if row.sticks() {
+                let side = row.normal.any_orthonormal_vector();
+                hold(side, 0.0);
+                hold(row.normal.cross(side), 0.0);
+            }
+        }
+        response
+    }
+}

@@ -1,0 +1,165 @@
+use super::*;
+use crate::math::DMat3;
+use crate::solve::shadow::Shadow;
+
+fn node(v: DVec3) -> RowNode {
+    RowNode {
+        body: 0,
+        node: 0,
+        inv_mass: 1.0,
+        v,
+        free: v,
+        before: v,
+    }
+}
+
+fn rows(friction: f64, depth: f64, arm: DVec3, v: DVec3) -> Rows {
+    let mut rows = Rows::default();
+    rows.nodes.push(node(v));
+    let terms = rows.add_terms([Term {
+        node: 0,
+        weight: 1.0,
+        share: 1.0,
+    }]);
+    rows.contacts.push(Row {
+        terms,
+        shadow: 0,
+        pair: 0,
+        between: false,
+        normal: DVec3::Y,
+        depth,
+        arm,
+        rigid_share: 1.0,
+        friction,
+        softness: 0.0,
+        drift: DVec3::ZERO,
+        carried: 0.0,
+        normal_impulse: 0.0,
+        friction_impulse: DVec3::ZERO,
+        mass: 0.0,
+        turning: 0.0,
+    });
+    rows
+}
+
+#[test]
+fn a_node_lands_sticks_or_slides_and_may_close_its_gap() {
+    for (friction, depth, expected) in [
+        (0.0, 0.0, DVec3::new(1.0, 0.0, 0.0)),
+        (0.3, 0.0, DVec3::new(0.4, 0.0, 0.0)),
+        (0.9, 0.0, DVec3::ZERO),
+        (0.0, -0.001, DVec3::new(1.0, -1.0, 0.0)),
+    ] {
+        let v = DVec3::new(1.0, -2.0, 0.0);
+        let mut rows = rows(friction, depth, DVec3::ZERO, v);
+        rows.solve(&mut [Shadow::FIXED], 1e-3, 4, false);
+        assert!(
+            (rows.nodes[0].v - expected).length() < 1e-12,
+            "μ = {friction}, depth {depth}: {}",
+            rows.nodes[0].v
+        );
+    }
+}
+
+#[test]
+fn a_collision_conserves_momentum() {
+    let mut shadow = Shadow {
+        inv_mass: DMat3::from_diagonal(DVec3::splat(0.5)),
+        inv_inertia: DMat3::IDENTITY,
+        v: DVec3::new(0.0, 0.3, 0.1),
+        ..Shadow::FIXED
+    };
+    let before = DVec3::new(0.3, -2.0, 0.0) + shadow.v / 0.5;
+    let v = DVec3::new(0.3, -2.0, 0.0);
+    let mut rows = rows(0.5, 0.0, DVec3::new(0.4, 0.1, -0.2), v);
+    rows.solve(std::slice::from_mut(&mut shadow), 1e-3, 4, true);
+    let after = rows.nodes[0].v + shadow.v / 0.5;
+    assert!((after - before).length() < 1e-12);
+    assert!((shadow.impulse - (shadow.v - DVec3::new(0.0, 0.3, 0.1)) / 0.5).length() < 1e-12);
+}
+
+/// A node of 10 g lies on the fixed world, and a body of 10 kg comes down on it at `v`.
+fn squeezed(friction: f64, v: DVec3) -> (Rows, [Shadow; 2]) {
+    let mut rows = rows(friction, 0.0, DVec3::ZERO, DVec3::ZERO);
+    rows.nodes[0].inv_mass = 100.0;
+    let above = Row {
+        shadow: 1,
+        normal: DVec3::NEG_Y,
+        ..rows.contacts[0]
+    };
+    rows.contacts.push(above);
+    let body = Shadow {
+        inv_mass: DMat3::from_diagonal(DVec3::splat(0.1)),
+        v,
+        ..Shadow::FIXED
+    };
+    (rows, [Shadow::FIXED, body])
+}
+
+/// Four passes that see the node alone would take a thousandth of the body's momentum each.
+#[test]
+fn a_light_node_between_a_heavy_body_and_the_floor_stops_it() {
+    for reversed in [false, true] {
+        let (mut rows, mut shadows) = squeezed(0.0, DVec3::new(0.0, -2.0, 0.0));
+        rows.solve(&mut shadows, 1e-3, 4, reversed);
+        assert!(shadows[1].v.length() < 1e-6, "{}", shadows[1].v);
+        assert!(rows.nodes[0].v.length() < 1e-6, "{}", rows.nodes[0].v);
+        assert!((shadows[1].impulse.y - 20.0).abs() < 1e-6);
+    }
+}
+
+/// Friction goes through the node as if the body lay on the floor itself: it loses μ times its normal momentum.
+#[test]
+fn friction_goes_through_a_squeezed_node() {
+    for (friction, left) in [(0.3, 0.4), (0.9, 0.0)] {
+        let (mut rows, mut shadows) = squeezed(friction, DVec3::new(1.0, -2.0, 0.0));
+        rows.solve(&mut shadows, 1e-3, 4, false);
+        let v = shadows[1].v;
+        assert!(v.y.abs() < 1e-6, "μ = {friction}: {v}");
+        assert!((v.x - left).abs() < 1e-3, "μ = {friction}: {v}");
+        let node = rows.nodes[0].v.length();
+        assert!(node <= v.length() + 1e-2, "μ = {friction}: {node}");
+    }
+}
+
+/// A body on a table of the same mass, which stands on the fixed world, does not give way to a blow from above, and gives
+/// way to one from the side.
+#[test]
+fn bodies_that_press_on_each_other_share_a_blow() {
+    let body = |mass: f64, y: f64| Shadow {
+        com: DVec3::Y * y,
+        inv_mass: DMat3::from_diagonal(DVec3::splat(1.0 / mass)),
+        ..Shadow::FIXED
+    };
+    let contact = |shadows: [u32; 2]| RigidRow {
+        shadows,
+        anchors: [DVec3::ZERO, DVec3::ZERO],
+        normal: DVec3::Y,
+        shares: [1.0, 1.0],
+        ..RigidRow::default()
+    };
+    for blow in [DVec3::Y * -5.0, DVec3::X * 5.0] {
+        let mut shadows = [Shadow::FIXED, body(2.0, 0.0), body(2.0, 0.0)];
+        let mut rows = rows(1.0, 0.0, DVec3::ZERO, blow);
+        rows.contacts[0].shadow = 2;
+        rows.contacts[0].normal = -blow.normalize();
+        rows.rigid = vec![contact([0, 1]), contact([1, 2])];
+        rows.solve(&mut shadows, 1e-3, 16, false);
+        let expected = if blow.y < 0.0 {
+            0.0
+        } else {
+            // The body of 2 kg alone: there is no friction.
+            5.0 / 3.0
+        };
+        let v = shadows[2].v.length();
+        assert!((v - expected).abs() < 5e-3, "{blow}: {v}");
+        assert!((rows.nodes[0].v.length() - expected).abs() < 5e-3);
+        let given = shadows[2].impulse.length();
+        assert!((given - (5.0 - expected)).abs() < 1e-2, "{given}");
+        assert_eq!(
+            shadows[1].impulse,
+            DVec3::ZERO,
+            "rigid contacts hand nothing over"
+        );
+    }
+}
