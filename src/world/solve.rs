@@ -20,10 +20,13 @@ impl Group {
             ..
         } = self;
         let late = |body: &Deformable| body.integrator().takes_late_impulses();
-        let early = rows
-            .nodes
-            .iter()
-            .any(|n| !late(&members[n.body as usize].1));
+        // Contacts alone are not looked at again: their work must never be negative, and it would be.
+        let tied = !rows.ties.is_empty();
+        let early = tied
+            && rows
+                .nodes
+                .iter()
+                .any(|n| !late(&members[n.body as usize].1));
         let rounds = if early { ROUNDS } else { 1 };
         waiting.clear();
         if early {

@@ -83,10 +83,9 @@ impl Linkage {
         let mut j = Vec::with_capacity(12);
         for (side, part) in sides.into_iter().zip(row.chunks(2)) {
             let Some(side) = side else { continue };
-            for k in 0..3 {
-                j.push((6 * side + k, part[0][k]));
-                j.push((6 * side + 3 + k, part[1][k]));
-            }
+            let [linear, angular] = [part[0], part[1]].map(|v| v.to_array());
+            let both = linear.into_iter().chain(angular);
+            j.extend(both.enumerate().map(|(k, x)| (6 * side + k, x)));
         }
         let push: Vec<f64> = (0..n)
             .map(|i| j.iter().map(|(k, x)| self.response[i * n + k] * x).sum())
@@ -96,8 +95,8 @@ impl Linkage {
             .iter()
             .map(|(k, x)| self.response[k * n + k] * x * x)
             .sum();
-        // Written so that a NaN counts as nothing left to do.
-        if !(along > 1e-9 * before.max(f64::MIN_POSITIVE)) || !bias.is_finite() {
+        let left = along > 1e-9 * before.max(f64::MIN_POSITIVE);
+        if !left || !bias.is_finite() {
             return;
         }
         let rate: f64 = j.iter().map(|(k, x)| self.acceleration[*k] * x).sum();
