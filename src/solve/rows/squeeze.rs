@@ -61,6 +61,11 @@ impl Squeeze {
     }
 }
 
+/// Whether a measured effective mass is that of something that moves at all; `alone` is that of the nodes \[kg\].
+fn gives_way(mass: f64, alone: f64) -> bool {
+    mass > 0.0 && mass * HELD < alone
+}
+
 impl Pass<'_> {
     /// Solves a row whose nodes have rows of their own.
     pub(super) fn solve_squeezed(&mut self, i: usize) -> bool {
@@ -88,12 +93,13 @@ impl Pass<'_> {
             if left.abs() <= SETTLED * v.abs() {
                 break;
             }
+            let alone = self.contacts[i].mass;
             mass = if left > 0.0 {
-                self.contacts[i].mass
+                alone
             } else {
                 change / (left - v)
             };
-            if !(mass > 0.0) {
+            if !gives_way(mass, alone) {
                 break;
             }
         }
@@ -125,7 +131,7 @@ impl Pass<'_> {
             } else {
                 change.length_squared() / (left - slip).dot(change)
             };
-            if !(mass > 0.0) {
+            if !gives_way(mass, alone) {
                 break;
             }
             slip = left;

@@ -163,3 +163,15 @@ fn bodies_that_press_on_each_other_share_a_blow() {
         );
     }
 }
+
+/// Two tiles of one floor meet under a node: two rows of the same normal carry it like one, and let it slide like one.
+#[test]
+fn a_node_on_two_tiles_slides_as_on_one() {
+    let v = DVec3::new(1.0, -2.0, 0.0);
+    let mut two = rows(0.3, 0.0, DVec3::ZERO, v);
+    two.contacts.push(two.contacts[0]);
+    two.solve(&mut [Shadow::FIXED], 1e-3, 4, false);
+    assert!((two.nodes[0].v - DVec3::X * 0.4).length() < 1e-9);
+    let sum: f64 = two.contacts.iter().map(|r| r.normal_impulse).sum();
+    assert!((sum - 2.0).abs() < 1e-9, "{sum}");
+}
