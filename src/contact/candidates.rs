@@ -72,16 +72,21 @@ impl Candidates {
             self.way += moved + shifted;
             self.nodes.spend(moved + shifted);
         } else {
-            self.way = 0.0;
-            self.nodes.reset();
-            if let Some(features) = &mut self.features {
-                features.reset();
-                features.forget();
-            }
+            self.forget();
         }
         self.frame = Some(now);
         self.target = target;
         self.pair = pair;
+    }
+
+    /// Forgets what touches and how far off things are.
+    pub fn forget(&mut self) {
+        self.way = 0.0;
+        self.nodes.reset();
+        if let Some(features) = &mut self.features {
+            features.reset();
+            features.forget();
+        }
     }
 
     /// Takes in that the collider has moved to where its shadow stands.

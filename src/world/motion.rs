@@ -149,6 +149,7 @@ impl Deformable {
         self.links = self.links_backup;
         self.solver.events.clear();
         self.start.restored = false;
+        self.moved = 0.0;
         self.edits += 1;
         self.rebuild_table();
         self.solver.forget_forces();

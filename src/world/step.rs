@@ -258,7 +258,7 @@ impl DeformableWorld {
             }
             body.slots.fill(u32::MAX);
         }
-        group.forget_touches();
+        group.forget_contacts();
         for (touched, shadow) in group.touched.iter().zip(&mut group.shadows[1..]) {
             *shadow = touched.start;
         }

@@ -97,9 +97,15 @@ impl Group {
         self.pairs.iter().zip(&self.sums)
     }
 
-    /// After a step that went wrong, nothing counts as touched.
-    pub fn forget_touches(&mut self) {
+    /// After a step that went wrong, nothing counts as touched, and what was found near was found at places that do not
+    /// count.
+    pub fn forget_contacts(&mut self) {
         self.sums.fill(PairSum::default());
+        self.candidates
+            .iter_mut()
+            .flatten()
+            .for_each(Candidates::forget);
+        self.encounters.iter_mut().for_each(Encounter::forget);
     }
 
     /// Brings the velocities of shadows to the instants of the group's substeps.

@@ -69,13 +69,19 @@ impl Encounter {
     ) {
         self.budget -= shifted;
         if self.edits != edits {
-            self.node_touches.iter_mut().for_each(Touches::clear);
-            self.edge_touches.clear();
+            self.forget();
         }
-        if self.edits != edits || self.manners.distance != manners.distance {
+        if self.manners.distance != manners.distance {
             self.budget = -1.0;
         }
         (self.members, self.pair, self.manners) = (members, pair, manners);
+    }
+
+    /// Forgets what touches and what is near.
+    pub fn forget(&mut self) {
+        self.node_touches.iter_mut().for_each(Touches::clear);
+        self.edge_touches.clear();
+        self.budget = -1.0;
     }
 
     /// Puts the lists by for the next step.

@@ -122,8 +122,6 @@ fn build(options: &Options) -> Result<Run, SceneError> {
 
     let mut run = Run::new(world, deformables, cast, options);
     run.frame_times = FRAMES.to_vec();
-    // A look at all springs costs as much as a substep.
-    run.recorder.sampling.energy = 5.0e-3;
     run.recorder
         .follow("cabin", &run.deformables, handle, cabin)?;
     run.recorder

@@ -33,6 +33,7 @@ pub(super) fn predict<S: Scalar>(
             applied_at(&solver.applied, i),
             quarter(half, solver.start[i].1, p.v),
         );
+        sums.speed(p.v);
         state.displace(i, [h * p.v[0], h * p.v[1], h * p.v[2]]);
     }
     sums.flush(solver);

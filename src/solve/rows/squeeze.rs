@@ -16,6 +16,15 @@ const HELD: f64 = 1e-6;
 const TRIES: usize = 4;
 const SETTLED: f64 = 1e-3;
 
+/// Which own rows count as holding a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Hold {
+    /// Those that press now, and along their surfaces those that stick.
+    Active,
+    /// All, in every direction: what is held more than this does not exist.
+    All,
+}
+
 /// The rows that act on one node alone, per node, and the rows that share a node with one of them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Squeeze {
@@ -61,11 +70,6 @@ impl Squeeze {
     }
 }
 
-/// Whether a measured effective mass is that of something that moves at all; `alone` is that of the nodes \[kg\].
-fn gives_way(mass: f64, alone: f64) -> bool {
-    mass > 0.0 && mass * HELD < alone
-}
-
 impl Pass<'_> {
     /// Solves a row whose nodes have rows of their own.
     pub(super) fn solve_squeezed(&mut self, i: usize) -> bool {
@@ -80,7 +84,8 @@ impl Pass<'_> {
     /// zero the measured one leads on.
     fn press_squeezed(&mut self, i: usize) -> bool {
         let row = &self.contacts[i];
-        let mut mass = self.squeezed_mass(i, row.normal, row.softness);
+        let most = self.squeezed_mass(i, row.normal, row.softness, Hold::All);
+        let mut mass = self.squeezed_mass(i, row.normal, row.softness, Hold::Active);
         let mut changed = false;
         for _ in 0..TRIES {
             let (j, v) = (self.contacts[i].normal_impulse, self.excess(i));
@@ -99,9 +104,10 @@ impl Pass<'_> {
             } else {
                 change / (left - v)
             };
-            if !gives_way(mass, alone) {
+            if !(mass > 0.0) {
                 break;
             }
+            mass = mass.min(most);
         }
         changed
     }
@@ -112,7 +118,8 @@ impl Pass<'_> {
             return false;
         };
         let alone = self.mass_along(i, direction);
-        let mut mass = self.squeezed_mass(i, direction, 0.0);
+        let most = self.squeezed_mass(i, direction, 0.0, Hold::All);
+        let mut mass = self.squeezed_mass(i, direction, 0.0, Hold::Active);
         let (mut slip, mut changed) = (slip, false);
         for _ in 0..TRIES {
             let before = self.contacts[i].friction_impulse;
@@ -131,10 +138,10 @@ impl Pass<'_> {
             } else {
                 change.length_squared() / (left - slip).dot(change)
             };
-            if !gives_way(mass, alone) {
+            if !(mass > 0.0) {
                 break;
             }
-            slip = left;
+            (slip, mass) = (left, mass.min(most));
         }
         changed
     }
@@ -150,8 +157,9 @@ impl Pass<'_> {
         }
     }
 
-    /// Effective mass of a row along `direction` with the active own rows of its nodes \[kg\].
-    fn squeezed_mass(&self, i: usize, direction: DVec3, softness: f64) -> f64 {
+    /// Effective mass of a row along `direction` with the own rows of its nodes \[kg\]. One that is held from both sides
+    /// counts as if it were alone: no impulse can answer it.
+    fn squeezed_mass(&self, i: usize, direction: DVec3, softness: f64, hold: Hold) -> f64 {
         let row = &self.contacts[i];
         let rigid =
             row.rigid_share * self.shadows[row.shadow as usize].response(row.arm, direction);
@@ -161,7 +169,7 @@ impl Pass<'_> {
             alone += share * self.points.nodes[term.node as usize].inv_mass;
             squeezed += share
                 * self
-                    .node_response(term.node, i)
+                    .node_response(term.node, i, hold)
                     .mul_vec3(direction)
                     .dot(direction);
         }
@@ -175,17 +183,17 @@ impl Pass<'_> {
         }
     }
 
-    /// The inverse mass matrix of a node that is held by its active own rows, but for row `but` \[1/kg\].
-    fn node_response(&self, node: u32, but: usize) -> DMat3 {
+    /// The inverse mass matrix of a node that is held by its own rows, but for row `but` \[1/kg\].
+    fn node_response(&self, node: u32, but: usize, hold: Hold) -> DMat3 {
         let inv_mass = self.points.nodes[node as usize].inv_mass;
         let mut response = DMat3::from_diagonal(DVec3::splat(inv_mass));
         for own in self.squeeze.own(node).filter(|own| *own != but) {
             let row = &self.contacts[own];
-            if row.normal_impulse <= 0.0 {
+            if hold == Hold::Active && row.normal_impulse <= 0.0 {
                 continue;
             }
             let shadow = &self.shadows[row.shadow as usize];
-            let mut hold = |direction: DVec3, softness: f64| {
+            let mut keep = |direction: DVec3, softness: f64| {
                 let given = response * direction;
                 let rigid = row.rigid_share * shadow.response(row.arm, direction);
                 let k = direction.dot(given) + rigid + softness;
@@ -194,11 +202,11 @@ impl Pass<'_> {
                     response -= DMat3::from_cols(given * by.x, given * by.y, given * by.z);
                 }
             };
-            hold(row.normal, row.softness);
-            if row.sticks() {
+            keep(row.normal, row.softness);
+            if hold == Hold::All || row.sticks() {
                 let side = row.normal.any_orthonormal_vector();
-                hold(side, 0.0);
-                hold(row.normal.cross(side), 0.0);
+                keep(side, 0.0);
+                keep(row.normal.cross(side), 0.0);
             }
         }
         response
