@@ -24,6 +24,7 @@ mod report;
 mod sense;
 mod settings;
 mod sleep;
+mod solid;
 mod step;
 mod substep;
 mod ties;
@@ -31,7 +32,7 @@ mod touch;
 
 pub use attach::AttachmentState;
 pub use attachment::{AttachError, AttachTo, Attachment};
-pub use builder::{DeformableBuilder, IntoDeformable, IntoNet};
+pub use builder::{DeformableBuilder, IntoDeformable, IntoNet, IntoTetMesh};
 pub use debug::{DebugStyle, rgba};
 pub use deformable::Deformable;
 pub use energies::Energies;

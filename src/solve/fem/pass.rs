@@ -3,39 +3,32 @@
 //! Positions, velocities and forces are reached through functions of a node, so that the same loop reads a state of
 //! particles, a vector of unknowns or a test's array, and is inlined into each.
 
-use super::elements::{Basis, Elements, jacobian};
+use super::blocks::Blocks;
+use super::elements::{Basis, Elements};
 use crate::law::elastic::tensor::{Mat, mul, mul_transpose, scale};
 use crate::law::elastic::{Elastic, Viscous};
-use crate::math::Scalar;
+use crate::math::{Pack, Scalar};
 
 /// Gives every node the elastic force of its elements \[N\]; `position` \[m\] and `add` are called with node indices.
 #[inline]
 pub fn add_elastic<S, B, L, const N: usize, const G: usize>(
-    elements: &Elements<S, B, N, G>,
+    blocks: &Blocks<S, B, N, G>,
     law: &L,
     position: impl Fn(usize) -> [S; 3],
     mut add: impl FnMut(usize, [S; 3]),
 ) where
     S: Scalar,
     B: Basis<N, G>,
-    L: Elastic<S>,
+    L: Elastic<Pack<S>>,
 {
-    for element in &elements.list {
-        let x = element.gather(&position);
-        let mut forces = [[S::ZERO; 3]; N];
-        for (g, point) in element.points.iter().enumerate() {
-            let f = mul(&jacobian::<S, B, N, G>(&x, g), &point.inverse);
-            collect::<S, B, N, G>(
-                &mut forces,
-                &law.stress(&f),
-                &point.inverse,
-                point.volume,
-                g,
-            );
-        }
-        for (node, force) in element.nodes.iter().zip(forces) {
-            add(*node as usize, force);
-        }
+    for block in &blocks.list {
+        let x = B::gradients(&block.gather(&position));
+        let forces: [Mat<_>; G] = std::array::from_fn(|g| {
+            let point = &block.points[g];
+            let stress = law.stress(&mul(&x[g], &point.inverse));
+            scale(&mul_transpose(&stress, &point.inverse), point.volume)
+        });
+        block.scatter(&B::collect(&forces), &mut add);
     }
 }
 
@@ -43,8 +36,8 @@ pub fn add_elastic<S, B, L, const N: usize, const G: usize>(
 /// work by itself, and because most bodies have none.
 #[inline]
 pub fn add_damping<S, B, const N: usize, const G: usize>(
-    elements: &Elements<S, B, N, G>,
-    law: &Viscous<S>,
+    blocks: &Blocks<S, B, N, G>,
+    law: &Viscous<Pack<S>>,
     position: impl Fn(usize) -> [S; 3],
     velocity: impl Fn(usize) -> [S; 3],
     mut add: impl FnMut(usize, [S; 3]),
@@ -52,58 +45,34 @@ pub fn add_damping<S, B, const N: usize, const G: usize>(
     S: Scalar,
     B: Basis<N, G>,
 {
-    for element in &elements.list {
-        let (x, v) = (element.gather(&position), element.gather(&velocity));
-        let mut forces = [[S::ZERO; 3]; N];
-        for (g, point) in element.points.iter().enumerate() {
-            let f = mul(&jacobian::<S, B, N, G>(&x, g), &point.inverse);
-            let rate = mul(&jacobian::<S, B, N, G>(&v, g), &point.inverse);
-            let stress = law.stress(&f, &rate);
-            collect::<S, B, N, G>(&mut forces, &stress, &point.inverse, point.volume, g);
-        }
-        for (node, force) in element.nodes.iter().zip(forces) {
-            add(*node as usize, force);
-        }
-    }
-}
-
-/// f −= V·P·∇N of every node of an element.
-#[inline(always)]
-fn collect<S: Scalar, B: Basis<N, G>, const N: usize, const G: usize>(
-    forces: &mut [[S; 3]; N],
-    stress: &Mat<S>,
-    inverse: &Mat<S>,
-    volume: S,
-    g: usize,
-) {
-    let h = scale(&mul_transpose(stress, inverse), volume);
-    for (force, gradient) in forces.iter_mut().zip(&B::GRADIENTS[g]) {
-        let d = gradient.map(S::of);
-        for (f, row) in force.iter_mut().zip(&h) {
-            *f -= row[0] * d[0] + row[1] * d[1] + row[2] * d[2];
-        }
+    for block in &blocks.list {
+        let x = B::gradients(&block.gather(&position));
+        let v = B::gradients(&block.gather(&velocity));
+        let forces: [Mat<_>; G] = std::array::from_fn(|g| {
+            let point = &block.points[g];
+            let f = mul(&x[g], &point.inverse);
+            let stress = law.stress(&f, &mul(&v[g], &point.inverse));
+            scale(&mul_transpose(&stress, &point.inverse), point.volume)
+        });
+        block.scatter(&B::collect(&forces), &mut add);
     }
 }
 
 /// The elastic energy \[J\].
-#[inline]
-pub fn energy<S, B, L, const N: usize, const G: usize>(
-    elements: &Elements<S, B, N, G>,
+pub fn energy<B, L, const N: usize, const G: usize>(
+    elements: &Elements<B, N, G>,
     law: &L,
-    position: impl Fn(usize) -> [S; 3],
+    position: impl Fn(usize) -> [f64; 3],
 ) -> f64
 where
-    S: Scalar,
     B: Basis<N, G>,
-    L: Elastic<S>,
+    L: Elastic<f64>,
 {
-    let mut sum = 0.0;
-    for element in &elements.list {
-        let x = element.gather(&position);
-        for (g, point) in element.points.iter().enumerate() {
-            let f = mul(&jacobian::<S, B, N, G>(&x, g), &point.inverse);
-            sum += (law.energy(&f) * point.volume).f64();
-        }
-    }
-    sum
+    let of = |element: &super::elements::Element<N, G>| -> f64 {
+        let x = B::gradients(&element.gather(&position));
+        let each = element.points.iter().zip(&x);
+        each.map(|(p, x)| law.energy(&mul(x, &p.inverse)) * p.volume)
+            .sum()
+    };
+    elements.list.iter().map(of).sum()
 }

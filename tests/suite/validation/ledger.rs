@@ -85,6 +85,40 @@ fn drop_with_friction(integrator: Integrator) -> String {
     watch("drop", &mut world, &mut deformables, body, 120)
 }
 
+/// A block of rubber tets, each kind and law, falls on a floor askew and slides.
+fn drop_of_tets(integrator: Integrator) -> String {
+    let mut faults = String::new();
+    for law in SolidLaw::ALL {
+        for quadratic in [false, true] {
+            let mut world = PhysicsWorld::default();
+            world.insert(
+                RigidBodyBuilder::fixed().translation(Vector::new(0.0, -1.0, 0.0)),
+                ColliderBuilder::cuboid(20.0, 1.0, 5.0).friction(0.4),
+            );
+            let size = Vector::new(0.4, 0.3, 0.3);
+            let mut mesh = shape::tet_box(size, 0.15, shape::TetSplit::Six).unwrap();
+            if quadratic {
+                mesh = mesh.quadratic();
+            }
+            let solid = Solid::new(5.0e5, 0.4, 1000.0).law(law).damping(0.2, 5e-4);
+            let mut deformables = DeformableWorld::default();
+            let body = deformables
+                .insert(
+                    DeformableBuilder::tets(mesh, solid)
+                        .friction(0.4)
+                        .translation(Vector::new(0.0, 0.6, 0.0))
+                        .rotation(Rotation::from_rotation_z(0.3))
+                        .linvel(Vector::new(2.0, 0.0, 0.3))
+                        .integrator(integrator),
+                )
+                .unwrap();
+            let what = format!("{law:?}, quadratic: {quadratic}");
+            faults += &watch(&what, &mut world, &mut deformables, body, 90);
+        }
+    }
+    faults
+}
+
 fn crusher(integrator: Integrator, x: f32) -> DeformableBuilder {
     DeformableBuilder::new(shape::lattice(Vector::new(0.6, 0.3, 0.3), 0.1))
         .material(
@@ -127,9 +161,14 @@ fn two_way_impact(integrator: Integrator) -> String {
 }
 
 fn all_scenes(integrator: Integrator) {
-    let faults = [drop_with_friction, plastic_impact, two_way_impact]
-        .map(|scene| scene(integrator))
-        .concat();
+    let faults = [
+        drop_with_friction,
+        drop_of_tets,
+        plastic_impact,
+        two_way_impact,
+    ]
+    .map(|scene| scene(integrator))
+    .concat();
     assert!(faults.is_empty(), "{}:{faults}", integrator.name());
 }
 
