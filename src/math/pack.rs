@@ -20,16 +20,18 @@ impl<S: Scalar> Default for Pack<S> {
     }
 }
 
-impl<S: Scalar> Pack<S> {
-    #[inline(always)]
-    fn map(self, f: impl Fn(S) -> S) -> Self {
-        Self(std::array::from_fn(|i| f(self.0[i])))
-    }
-
-    #[inline(always)]
-    fn zip(self, other: Self, f: impl Fn(S, S) -> S) -> Self {
-        Self(std::array::from_fn(|i| f(self.0[i], other.0[i])))
-    }
+/// A pack of an expression of the lane. A macro, because closures would be called and not inlined in the long functions that
+/// laws become.
+macro_rules! lanes {
+    ($lane:ident => $value:expr) => {{
+        let mut lanes = [S::ZERO; WIDTH];
+        let mut $lane = 0;
+        while $lane < WIDTH {
+            lanes[$lane] = $value;
+            $lane += 1;
+        }
+        Self(lanes)
+    }};
 }
 
 macro_rules! operator {
@@ -38,7 +40,7 @@ macro_rules! operator {
             type Output = Self;
             #[inline(always)]
             fn $name(self, other: Self) -> Self {
-                self.zip(other, |a, b| a $op b)
+                lanes!(i => self.0[i] $op other.0[i])
             }
         }
     };
@@ -52,7 +54,7 @@ impl<S: Scalar> Neg for Pack<S> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        self.map(|a| -a)
+        lanes!(i => -self.0[i])
     }
 }
 
@@ -85,44 +87,40 @@ impl<S: Scalar> Number for Pack<S> {
     }
     #[inline(always)]
     fn of_lanes(mut value: impl FnMut(usize) -> f64) -> Self {
-        Self(std::array::from_fn(|i| S::of(value(i))))
+        lanes!(i => S::of(value(i)))
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
-        self.map(S::sqrt)
+        lanes!(i => self.0[i].sqrt())
     }
     #[inline(always)]
     fn ln(self) -> Self {
-        self.map(S::ln)
+        lanes!(i => self.0[i].ln())
     }
     #[inline(always)]
     fn abs(self) -> Self {
-        self.map(S::abs)
+        lanes!(i => self.0[i].abs())
     }
     #[inline(always)]
     fn max(self, other: Self) -> Self {
-        self.zip(other, S::max)
+        lanes!(i => self.0[i].max(other.0[i]))
     }
     #[inline(always)]
     fn min(self, other: Self) -> Self {
-        self.zip(other, S::min)
+        lanes!(i => self.0[i].min(other.0[i]))
     }
     #[inline(always)]
     fn all_above(self, other: Self) -> bool {
         // No short cut: a chain of branches would cost more than the comparisons.
-        let above = (0..WIDTH).map(|i| self.0[i] > other.0[i]);
-        above.fold(true, |all, one| all & one)
+        let mut all = true;
+        for i in 0..WIDTH {
+            all &= self.0[i] > other.0[i];
+        }
+        all
     }
     #[inline(always)]
     fn above(self, other: Self, this: Self, that: Self) -> Self {
-        let lane = |i: usize| {
-            if self.0[i] > other.0[i] {
-                this.0[i]
-            } else {
-                that.0[i]
-            }
-        };
-        Self(std::array::from_fn(lane))
+        lanes!(i => if self.0[i] > other.0[i] { this.0[i] } else { that.0[i] })
     }
 }
 

@@ -23,6 +23,8 @@ mod reach;
 mod report;
 mod sense;
 mod settings;
+#[cfg(feature = "statics")]
+mod settle;
 mod sleep;
 mod solid;
 mod step;

@@ -22,8 +22,11 @@ pub(super) fn largest_square<S: Number>(f: &Mat<S>) -> S {
 
 #[inline(always)]
 pub(super) fn row_norm<S: Number>(m: &Mat<S>) -> S {
-    let row = |i: usize| m[i][0].abs() + m[i][1].abs() + m[i][2].abs();
-    row(0).max(row(1)).max(row(2))
+    let first = m[0][0].abs() + m[0][1].abs() + m[0][2].abs();
+    let second = m[1][0].abs() + m[1][1].abs() + m[1][2].abs();
+    first
+        .max(second)
+        .max(m[2][0].abs() + m[2][1].abs() + m[2][2].abs())
 }
 
 /// Of a law whose second variation is iso·‖D‖² + curvature·(C:D)² + slope·Q(D), with C = cof F, J = det F and Q the second

@@ -2,6 +2,7 @@
 
 use super::elements::{Basis, Elements, Point};
 use crate::math::{Number, Pack, Scalar, WIDTH};
+use crate::solve::forces::Lanes;
 
 /// [`WIDTH`] elements. What is left over in the last block has no volume, and the nodes of its first element.
 #[derive(Clone, Copy, Debug)]
@@ -45,27 +46,37 @@ impl<S: Scalar, const N: usize, const G: usize> Block<S, N, G> {
     /// Values at its nodes less the value at the first, which keeps the digits of `f32` positions.
     #[inline(always)]
     pub(super) fn gather(&self, value: impl Fn(usize) -> [S; 3]) -> [[Pack<S>; 3]; N] {
-        let rows = |nodes: &[u32; WIDTH]| {
-            let by_lane = nodes.map(|n| value(n as usize));
-            std::array::from_fn(|d| Pack(by_lane.map(|v| v[d])))
-        };
-        let first: [Pack<S>; 3] = rows(&self.nodes[0]);
-        std::array::from_fn(|a| {
-            if a == 0 {
-                return [Pack::ZERO; 3];
+        let mut packs = [[Pack::ZERO; 3]; N];
+        for (pack, nodes) in packs.iter_mut().zip(&self.nodes) {
+            for l in 0..WIDTH {
+                let v = value(nodes[l] as usize);
+                for d in 0..3 {
+                    pack[d].0[l] = v[d];
+                }
             }
-            let x: [Pack<S>; 3] = rows(&self.nodes[a]);
-            [x[0] - first[0], x[1] - first[1], x[2] - first[2]]
-        })
+        }
+        let first = packs[0];
+        for pack in &mut packs {
+            for d in 0..3 {
+                pack[d] -= first[d];
+            }
+        }
+        packs
     }
 
-    /// Takes `forces` from the nodes, lane by lane.
+    /// Takes two kinds of forces from the nodes, lane by lane.
     #[inline(always)]
-    pub(super) fn scatter(&self, forces: &[[Pack<S>; 3]; N], mut add: impl FnMut(usize, [S; 3])) {
-        for (nodes, force) in self.nodes.iter().zip(forces) {
+    pub(super) fn scatter(
+        &self,
+        first: &[[Pack<S>; 3]; N],
+        second: &[[Pack<S>; 3]; N],
+        add: &mut impl FnMut(usize, Lanes<S>, Lanes<S>),
+    ) {
+        for ((nodes, first), second) in self.nodes.iter().zip(first).zip(second) {
             for l in 0..WIDTH {
-                let f = [-force[0].0[l], -force[1].0[l], -force[2].0[l]];
-                add(nodes[l] as usize, f);
+                let first = [-first[0].0[l], -first[1].0[l], -first[2].0[l], S::ZERO];
+                let second = [-second[0].0[l], -second[1].0[l], -second[2].0[l], S::ZERO];
+                add(nodes[l] as usize, first, second);
             }
         }
     }

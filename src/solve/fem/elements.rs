@@ -2,7 +2,7 @@
 
 use crate::body::{BuildError, TetMesh, Tets};
 use crate::law::basis;
-use crate::law::elastic::tensor::{Mat, det, from_fn, inverse};
+use crate::law::elastic::tensor::{Mat, det, inverse, matrix};
 use crate::math::Number;
 
 /// A kind of element with `N` nodes and `G` integration points.
@@ -38,14 +38,19 @@ impl Basis<4, 1> for Linear {
 
     #[inline(always)]
     fn gradients<S: Number>(x: &[[S; 3]; 4]) -> [Mat<S>; 1] {
-        [from_fn(|i, k| x[k + 1][i] - x[0][i])]
+        [matrix!(i, k => x[k + 1][i] - x[0][i])]
     }
 
     #[inline(always)]
     fn collect<S: Number>([m]: &[Mat<S>; 1]) -> [[S; 3]; 4] {
-        let column = |k: usize| [m[0][k], m[1][k], m[2][k]];
-        let first = std::array::from_fn(|i| -(m[i][0] + m[i][1] + m[i][2]));
-        [first, column(0), column(1), column(2)]
+        let mut nodes = [[S::ZERO; 3]; 4];
+        for i in 0..3 {
+            nodes[0][i] = -(m[i][0] + m[i][1] + m[i][2]);
+            for k in 0..3 {
+                nodes[k + 1][i] = m[i][k];
+            }
+        }
+        nodes
     }
 }
 
@@ -88,38 +93,49 @@ impl Basis<10, 4> for Quadratic {
     #[inline(always)]
     fn gradients<S: Number>(x: &[[S; 3]; 10]) -> [Mat<S>; 4] {
         let (corner, middle, near) = (S::of(CORNER), S::of(MIDDLE), S::of(NEAR));
-        let common: [[S; 3]; 4] = std::array::from_fn(|i| {
-            let [a, b, c] = [1, 2, 3].map(|k| between(i, (i + k) % 4));
-            std::array::from_fn(|d| corner * x[i][d] + middle * (x[a][d] + x[b][d] + x[c][d]))
-        });
-        std::array::from_fn(|g| {
-            let by_corner: [[S; 3]; 4] = std::array::from_fn(|i| {
-                let n = between(i, g);
-                std::array::from_fn(|d| common[i][d] + near * x[n][d])
-            });
-            from_fn(|d, k| by_corner[k + 1][d] - by_corner[0][d])
-        })
+        let mut common = [[S::ZERO; 3]; 4];
+        for i in 0..4 {
+            let (a, b) = (between(i, (i + 1) % 4), between(i, (i + 2) % 4));
+            let c = between(i, (i + 3) % 4);
+            for d in 0..3 {
+                common[i][d] = corner * x[i][d] + middle * (x[a][d] + x[b][d] + x[c][d]);
+            }
+        }
+        let mut points = [[[S::ZERO; 3]; 3]; 4];
+        for (g, point) in points.iter_mut().enumerate() {
+            for d in 0..3 {
+                let first = common[0][d] + near * x[between(0, g)][d];
+                for k in 0..3 {
+                    point[d][k] = common[k + 1][d] + near * x[between(k + 1, g)][d] - first;
+                }
+            }
+        }
+        points
     }
 
     #[inline(always)]
     fn collect<S: Number>(m: &[Mat<S>; 4]) -> [[S; 3]; 10] {
         let (corner, middle, near) = (S::of(CORNER), S::of(MIDDLE), S::of(NEAR));
         // What each point gives to ∂/∂Lᵢ.
-        let parts: [[[S; 3]; 4]; 4] = std::array::from_fn(|g| Linear::collect(&[m[g]]));
-        let sums: [[S; 3]; 4] = std::array::from_fn(|i| {
-            std::array::from_fn(|d| {
-                parts[0][i][d] + parts[1][i][d] + (parts[2][i][d] + parts[3][i][d])
-            })
-        });
-        std::array::from_fn(|n| {
-            std::array::from_fn(|d| {
-                if n < 4 {
-                    return corner * sums[n][d] + near * parts[n][n][d];
-                }
-                let [a, b] = basis::EDGES[n - 4];
-                middle * (sums[a][d] + sums[b][d]) + near * (parts[b][a][d] + parts[a][b][d])
-            })
-        })
+        let mut parts = [[[S::ZERO; 3]; 4]; 4];
+        for g in 0..4 {
+            parts[g] = Linear::collect(&[m[g]]);
+        }
+        let mut sums = [[S::ZERO; 3]; 4];
+        let mut nodes = [[S::ZERO; 3]; 10];
+        for i in 0..4 {
+            for d in 0..3 {
+                sums[i][d] = parts[0][i][d] + parts[1][i][d] + (parts[2][i][d] + parts[3][i][d]);
+                nodes[i][d] = corner * sums[i][d] + near * parts[i][i][d];
+            }
+        }
+        for (e, [a, b]) in basis::EDGES.into_iter().enumerate() {
+            for d in 0..3 {
+                let far = middle * (sums[a][d] + sums[b][d]);
+                nodes[4 + e][d] = far + near * (parts[b][a][d] + parts[a][b][d]);
+            }
+        }
+        nodes
     }
 }
 
@@ -225,6 +241,7 @@ impl<const N: usize, const G: usize> Element<N, G> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::law::elastic::tensor::from_fn;
 
     fn check<B: Basis<N, G>, const N: usize, const G: usize>() {
         let x: [[f64; 3]; N] =

@@ -33,7 +33,7 @@ pub use elements::{Basis, Elements, Linear, Quadratic};
 pub use mass::lumped_volumes;
 pub use model::Model;
 pub use part::Part;
-pub use pass::{add_damping, add_elastic, energy};
+pub use pass::energy;
 pub use stress::{Stress, stresses};
 
 #[cfg(test)]

@@ -14,6 +14,7 @@ use crate::law::elastic::{
     Corotational, Elastic, Lame, NeoHookean, StVenantKirchhoff, StableNeoHookean, Viscous,
 };
 use crate::math::{Number, Pack, Scalar};
+use crate::solve::forces::{Lanes, three};
 
 #[derive(Clone, Debug)]
 enum Kind<S> {
@@ -117,23 +118,37 @@ impl<S: Scalar> Model<S> {
     }
 
     /// Gives every node the elastic force of its elements \[N\].
+    pub fn add_elastic(
+        &self,
+        position: impl Fn(usize) -> [S; 3],
+        mut add: impl FnMut(usize, [S; 3]),
+    ) {
+        self.add_elastic_lanes(position, |n, f| add(n, three(f)));
+    }
+
+    /// The same in four lanes.
     #[inline]
-    pub fn add_elastic(&self, position: impl Fn(usize) -> [S; 3], add: impl FnMut(usize, [S; 3])) {
+    pub(crate) fn add_elastic_lanes(
+        &self,
+        position: impl Fn(usize) -> [S; 3],
+        add: impl FnMut(usize, Lanes<S>),
+    ) {
         by_kind!(self, (_, b) => by_law!(self, Pack<S>, law => pass::add_elastic(b, &law, position, add)));
     }
 
-    /// Gives every node the stiffness-proportional damping force of its elements \[N\]. The mass-proportional one, −α·m·v, needs
-    /// no elements.
-    pub fn add_damping(
+    /// Gives every node the elastic force of its elements and the stiffness-proportional damping force \[N\], in four lanes. The
+    /// mass-proportional one, −α·m·v, needs no elements.
+    #[inline]
+    pub(crate) fn add_damped_lanes(
         &self,
         position: impl Fn(usize) -> [S; 3],
         velocity: impl Fn(usize) -> [S; 3],
-        add: impl FnMut(usize, [S; 3]),
+        add: impl FnMut(usize, Lanes<S>, Lanes<S>),
     ) {
-        if self.solid.stiffness_damping > 0.0 {
-            let law = Viscous::proportional(self.solid.stiffness_damping, self.lame);
-            by_kind!(self, (_, b) => pass::add_damping(b, &law, position, velocity, add));
-        }
+        let viscous = Viscous::proportional(self.solid.stiffness_damping, self.lame);
+        by_kind!(self, (_, b) => by_law!(self, Pack<S>, law => {
+            pass::add_damped(b, (&law, &viscous), position, velocity, add);
+        }));
     }
 
     /// The elastic energy \[J\].

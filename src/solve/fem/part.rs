@@ -4,7 +4,7 @@ use super::bound::{Moments, Rates};
 use super::model::Model;
 use crate::body::state::Particle;
 use crate::math::Scalar;
-use crate::solve::forces::Force;
+use crate::solve::forces::{Force, add_to};
 use std::sync::Arc;
 
 /// Elements, and what the bound on their fastest mode needs to know of the masses. Copies of a body share both.
@@ -31,21 +31,17 @@ impl<S: Scalar> Part<S> {
 
     /// Adds the elastic and damping force of every element to its nodes.
     pub(crate) fn add_forces(&self, particles: &[Particle<S>], forces: &mut [Force<S>]) {
-        self.model.add_elastic(
-            |n| particles[n].x,
-            |n, f| {
-                let sum = &mut forces[n].elastic;
-                *sum = [sum[0] + f[0], sum[1] + f[1], sum[2] + f[2], sum[3]];
-            },
-        );
-        self.model.add_damping(
-            |n| particles[n].x,
-            |n| particles[n].v,
-            |n, f| {
-                let sum = &mut forces[n].damping;
-                *sum = [sum[0] + f[0], sum[1] + f[1], sum[2] + f[2], sum[3]];
-            },
-        );
+        if self.model.solid().stiffness_damping > 0.0 {
+            let add = |n: usize, elastic, damping| {
+                add_to(&mut forces[n].elastic, elastic);
+                add_to(&mut forces[n].damping, damping);
+            };
+            let model = &self.model;
+            model.add_damped_lanes(|n| particles[n].x, |n| particles[n].v, add);
+        } else {
+            let add = |n: usize, elastic| add_to(&mut forces[n].elastic, elastic);
+            self.model.add_elastic_lanes(|n| particles[n].x, add);
+        }
         let alpha = S::of(self.model.solid().mass_damping);
         if alpha > S::ZERO {
             let free = |p: &&Particle<S>| p.inv_mass > S::ZERO;

@@ -274,5 +274,5 @@ fn the_stable_step_is_safe_and_close() {
             }
         }
     }
-    assert!(least > 0.8, "{least}");
+    assert!(least > 0.7, "{least}");
 }
