@@ -8,9 +8,7 @@ use crate::body::{Material, NodeId, Solid};
 use crate::math::{Real, Vector};
 use crate::shape::{TetSplit, lattice, tet_box};
 use crate::world::{DeformableBuilder, DeformableWorld, Substeps};
-use rapier3d::dynamics::{
-    SoftBody, SoftBodyBuilder, SoftBodyCellModel, SoftBodyHandle, SoftBodyMaterial,
-};
+use rapier3d::dynamics::{SoftBodyBuilder, SoftBodyCellModel, SoftBodyHandle, SoftBodyMaterial};
 use rapier3d::pipeline::PhysicsWorld;
 use std::time::Instant;
 
@@ -197,13 +195,17 @@ pub fn alone(path: &str, options: &Options) -> Result<(f64, f64), SceneError> {
     world.integration_parameters.dt = options.dt as Real;
     let steps = (options.duration / options.dt).round().max(1.0);
     if path == "native" {
-        let soft = world.insert_soft_body(native(0.0, options));
+        let builder = native(0.0, options);
+        let places = builder.particle_positions();
+        let far = (0..places.len()).filter(|&i| places[i].x > 0.5 * SIZE.x - 1e-4);
+        let tip: Vec<usize> = far.collect();
+        let soft = world.insert_soft_body(builder);
         let start = Instant::now();
         for _ in 0..steps as usize {
             world.step();
         }
         let ms = 1e3 * start.elapsed().as_secs_f64() / steps;
-        return Ok((native_tip(&world, soft), ms));
+        return Ok((native_tip(&world, soft, &tip), ms));
     }
     let mut deformables = DeformableWorld::default();
     let beam = deformables.insert(deformable(path, options)?)?;
@@ -222,15 +224,9 @@ pub fn alone(path: &str, options: &Options) -> Result<(f64, f64), SceneError> {
     Ok((moved.iter().sum::<f64>() / moved.len().max(1) as f64, ms))
 }
 
-fn native_tip(world: &PhysicsWorld, handle: SoftBodyHandle) -> f64 {
-    let Some(body): Option<&SoftBody> = world.soft_bodies.get(handle) else {
-        return f64::NAN;
-    };
-    let count = body.particles().len();
-    let far = |i: &usize| body.particle_position(*i).x > 0.5 * SIZE.x - 0.05;
-    let tip: Vec<f64> = (0..count)
-        .filter(far)
-        .map(|i| f64::from(body.particle_position(i).y))
-        .collect();
-    tip.iter().sum::<f64>() / tip.len().max(1) as f64
+/// Mean height of the nodes `tip`, which began at 0.
+fn native_tip(world: &PhysicsWorld, handle: SoftBodyHandle, tip: &[usize]) -> f64 {
+    let body = world.soft_bodies.get(handle);
+    let height = |i: &usize| body.map_or(f64::NAN, |b| b.particle_position(*i).y.into());
+    tip.iter().map(height).sum::<f64>() / tip.len().max(1) as f64
 }

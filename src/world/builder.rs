@@ -1,11 +1,10 @@
 //! The builder: a net with materials or a solid of tets, and how the body enters the world.
 
 use super::Deformable;
+use super::into::{IntoNet, IntoTetMesh};
 use super::params::Substeps;
 use crate::body::error::{not_negative, positive};
-use crate::body::{
-    Blueprint, BuildError, Material, Net, Node, Solid, SolidMesh, TetMesh, Topology,
-};
+use crate::body::{Blueprint, BuildError, Material, Net, Node, Solid, SolidMesh, Topology};
 use crate::contact::encounter::outline;
 use crate::contact::target::{Surface, wide_rotation};
 use crate::math::{DVec3, Pose, Real, Rotation, Vector, narrow, wide};
@@ -384,58 +383,4 @@ fn elements(solid: &SolidMesh, net: &mut Net) -> Result<Model<Real>, BuildError>
         .collect();
     net.faces = solid.mesh.faces.clone();
     Ok(model)
-}
-
-/// What a builder takes as a mesh of tets: a mesh, or the result of a shape function or an import.
-pub trait IntoTetMesh {
-    /// The mesh, or why there is none.
-    fn into_tet_mesh(self) -> Result<TetMesh, BuildError>;
-}
-
-impl IntoTetMesh for TetMesh {
-    fn into_tet_mesh(self) -> Result<TetMesh, BuildError> {
-        Ok(self)
-    }
-}
-
-impl IntoTetMesh for Result<TetMesh, BuildError> {
-    fn into_tet_mesh(self) -> Result<TetMesh, BuildError> {
-        self
-    }
-}
-
-/// What a builder takes as a net: a net, or the result of a shape function.
-pub trait IntoNet {
-    /// The net, or why there is none.
-    fn into_net(self) -> Result<Net, BuildError>;
-}
-
-impl IntoNet for Net {
-    fn into_net(self) -> Result<Net, BuildError> {
-        Ok(self)
-    }
-}
-
-impl IntoNet for Result<Net, BuildError> {
-    fn into_net(self) -> Result<Net, BuildError> {
-        self
-    }
-}
-
-/// What a world takes as a body: a builder, or a body that was built before.
-pub trait IntoDeformable {
-    /// The body, or why there is none.
-    fn into_deformable(self) -> Result<Deformable, BuildError>;
-}
-
-impl IntoDeformable for Deformable {
-    fn into_deformable(self) -> Result<Deformable, BuildError> {
-        Ok(self)
-    }
-}
-
-impl IntoDeformable for DeformableBuilder {
-    fn into_deformable(self) -> Result<Deformable, BuildError> {
-        self.build()
-    }
 }

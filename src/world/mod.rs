@@ -12,6 +12,7 @@ mod edit;
 mod energies;
 mod group;
 mod hooks;
+mod into;
 mod kinematic;
 mod meet;
 mod motion;
@@ -34,11 +35,12 @@ mod touch;
 
 pub use attach::AttachmentState;
 pub use attachment::{AttachError, AttachTo, Attachment};
-pub use builder::{DeformableBuilder, IntoDeformable, IntoNet, IntoTetMesh};
+pub use builder::DeformableBuilder;
 pub use debug::{DebugStyle, rgba};
 pub use deformable::Deformable;
 pub use energies::Energies;
 pub use hooks::{DeformableHooks, PairContext};
+pub use into::{IntoDeformable, IntoNet, IntoTetMesh};
 pub use observer::{
     AttachmentBroke, AttachmentImpulse, NodeImpulse, Observer, PairImpulse, Partner, SpringEvent,
     SpringEventKind, Substep,

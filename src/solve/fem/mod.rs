@@ -19,6 +19,7 @@
 
 mod blocks;
 mod bound;
+mod eigen;
 mod elements;
 mod mass;
 mod model;

@@ -192,3 +192,44 @@ fn a_settled_body_stays() {
         assert!(free.unwrap().settle(gravity).is_err());
     }
 }
+
+/// A bar that hangs from its top: the mean stress is half of what the top bears, ρgL/2, and the recorder has it.
+#[test]
+fn stress_is_recorded() {
+    let mesh = tet_box(Vector::new(0.2, 1.0, 0.2), 0.2, TetSplit::Six).unwrap();
+    let solid = Solid::new(1.0e6, 0.0, 1000.0).damping(40.0, 0.0);
+    let mut deformables = DeformableWorld::default();
+    let bar = DeformableBuilder::tets(mesh, solid).pin(|x| x.y > 0.499);
+    let bar = deformables.insert(bar).unwrap();
+    let all: Vec<TetId> = (0..deformables[bar].tet_count() as u32)
+        .map(TetId)
+        .collect();
+    let mut recorder = Recorder::new();
+    recorder.begin(&deformables);
+    assert!(
+        recorder
+            .follow_tets("none", &deformables, bar, &[TetId(9999)])
+            .is_err()
+    );
+    let set = recorder
+        .follow_tets("bar", &deformables, bar, &all)
+        .unwrap();
+    let mut world = PhysicsWorld::default();
+    for _ in 0..60 {
+        deformables.step_with(&mut world, &(), &(), &mut recorder);
+    }
+    let set = &recorder.tet_sets[set];
+    assert!(set.times.len() > 100 && set.stresses[0].von_mises.abs() < 1.0);
+    let last = set.stresses[set.stresses.len() - 1];
+    let expected = 0.5 * 1000.0 * 9.81;
+    close("mean stress [Pa]", last.cauchy[1][1], expected, 0.01);
+    close("mean strain", last.strain[1][1], expected / 1.0e6, 0.01);
+    let path = std::env::temp_dir().join("crumple-stress.csv");
+    let record = recorder.body(bar).unwrap();
+    recorder.write_history(record, &path).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert!(
+        text.lines().next().unwrap().contains("bar_stress_yy_pa"),
+        "{text:.300}"
+    );
+}
