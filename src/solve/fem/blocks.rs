@@ -48,8 +48,8 @@ impl<S: Scalar, const N: usize, const G: usize> Block<S, N, G> {
     pub(super) fn gather(&self, value: impl Fn(usize) -> [S; 3]) -> [[Pack<S>; 3]; N] {
         let mut packs = [[Pack::ZERO; 3]; N];
         for (pack, nodes) in packs.iter_mut().zip(&self.nodes) {
-            for l in 0..WIDTH {
-                let v = value(nodes[l] as usize);
+            for (l, node) in nodes.iter().enumerate() {
+                let v = value(*node as usize);
                 for d in 0..3 {
                     pack[d].0[l] = v[d];
                 }
@@ -73,10 +73,10 @@ impl<S: Scalar, const N: usize, const G: usize> Block<S, N, G> {
         add: &mut impl FnMut(usize, Lanes<S>, Lanes<S>),
     ) {
         for ((nodes, first), second) in self.nodes.iter().zip(first).zip(second) {
-            for l in 0..WIDTH {
+            for (l, node) in nodes.iter().enumerate() {
                 let first = [-first[0].0[l], -first[1].0[l], -first[2].0[l], S::ZERO];
                 let second = [-second[0].0[l], -second[1].0[l], -second[2].0[l], S::ZERO];
-                add(nodes[l] as usize, first, second);
+                add(*node as usize, first, second);
             }
         }
     }

@@ -250,7 +250,7 @@ mod tests {
         let m: [Mat<f64>; G] =
             std::array::from_fn(|g| from_fn(|i, j| ((5 * g + 3 * i + j) as f64).cos()));
         let collected = B::collect(&m);
-        for n in 0..N {
+        for (n, found) in collected.iter().enumerate() {
             for d in 0..3 {
                 let sum = |g: usize| {
                     (0..3)
@@ -258,14 +258,14 @@ mod tests {
                         .sum::<f64>()
                 };
                 let expected: f64 = (0..G).map(sum).sum();
-                assert!((collected[n][d] - expected).abs() < 1e-12);
+                assert!((found[d] - expected).abs() < 1e-12);
             }
         }
-        for g in 0..G {
-            for i in 0..3 {
-                for k in 0..3 {
+        for (g, found) in gradients.iter().enumerate() {
+            for (i, row) in found.iter().enumerate() {
+                for (k, entry) in row.iter().enumerate() {
                     let sum: f64 = (0..N).map(|n| x[n][i] * B::GRADIENTS[g][n][k]).sum();
-                    assert!((gradients[g][i][k] - sum).abs() < 1e-12);
+                    assert!((entry - sum).abs() < 1e-12);
                 }
             }
         }
