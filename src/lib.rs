@@ -30,7 +30,8 @@ pub use body::shape;
 /// Everything a scene needs. Clashes with nothing in Rapier's own prelude.
 pub mod prelude {
     pub use crate::body::{
-        BuildError, Feature, Material, Net, Node, NodeId, Spring, SpringId, SurfacePoint,
+        BuildError, Feature, Material, Net, Node, NodeId, Solid, SolidLaw, Spring, SpringId,
+        SurfacePoint, TetId, TetMesh,
     };
     pub use crate::record::Recorder;
     pub use crate::shape::{filled, lattice, rope, sheet};

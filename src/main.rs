@@ -7,6 +7,7 @@ use clap::{Parser, Subcommand};
 use crumple::record::{CsvError, FilterError, Interface};
 use crumple::report::{ReportError, Stage, Table, charts, contact_sheet};
 use crumple::scenario::{self, Figures, Options, Run, Scene, SceneError, UnknownScene};
+use crumple::world::Deformable;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -224,8 +225,16 @@ fn draw_pictures(run: &Run, out: &Path) -> Result<(), Failure> {
     stage.ground = run.cast.collider("ground");
     stage.parts = run.cast.parts.clone();
     let plastic = run.frames.iter().flat_map(|f| &f.bodies);
-    if plastic.flat_map(|b| &b.strain).all(|s| *s == 0.0) {
+    let largest = plastic
+        .flat_map(|b| &b.strain)
+        .fold(0.0, |m: f32, s| m.max(*s));
+    if largest == 0.0 {
         stage.max_strain = 0.0;
+    }
+    let solid = |(_, body): (_, &Deformable)| body.tet_count() > 0;
+    if run.deformables.iter().any(solid) {
+        stage.label = "von Mises stress over E";
+        stage.max_strain = f64::from(largest);
     }
     let name = run.cast.deformables.first();
     let name = name.map_or("scene", |(n, _)| n.as_str());

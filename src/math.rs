@@ -1,7 +1,8 @@
 //! Rapier's own math types, their `f64` twins, and the scalar the laws are generic over.
 //!
 //! State is `f32` because Rapier's is; sums, rigid shadows and rows are `f64`. Laws and integrators are generic over
-//! [`Scalar`] so that their orders and growth factors can be tested in `f64`, where rounding does not hide them.
+//! [`Scalar`] so that their orders and growth factors can be tested in `f64`, where rounding does not hide them. Laws of
+//! solids are generic over [`Number`], so that one text serves a single element and a [`Pack`] of them.
 
 pub use rapier3d::math::glamx::{DMat3, DQuat, DVec3};
 pub use rapier3d::math::{Pose, Real, Rotation, Vector};
@@ -9,12 +10,15 @@ pub use rapier3d::math::{Pose, Real, Rotation, Vector};
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-/// The floating-point type of a law, an integrator or a spring solver: `f32` or `f64`.
-pub trait Scalar:
+mod pack;
+
+pub use pack::{Pack, WIDTH};
+
+/// What laws compute with: a [`Scalar`], or several of them side by side, see [`Pack`].
+pub trait Number:
     Copy
     + Debug
     + Default
-    + PartialOrd
     + Send
     + Sync
     + 'static
@@ -30,12 +34,16 @@ pub trait Scalar:
     const ZERO: Self;
     /// 1.
     const ONE: Self;
-    /// Positive infinity: the yield or break force of a spring that never yields or breaks.
-    const INFINITY: Self;
-    /// The nearest value to `x`.
+    /// A relative error that doubles its digits in one step of Newton's method: the square root of the rounding.
+    const COARSE: f64;
+    /// How many there are side by side.
+    const LANES: usize;
+    /// The nearest value to `x`, in every lane.
     fn of(x: f64) -> Self;
-    /// The same value as `f64`.
-    fn f64(self) -> f64;
+    /// The value in a lane.
+    fn lane(self, lane: usize) -> f64;
+    /// The nearest value to what `value` gives for each lane.
+    fn of_lanes(value: impl FnMut(usize) -> f64) -> Self;
     /// Square root.
     fn sqrt(self) -> Self;
     /// Natural logarithm.
@@ -46,23 +54,40 @@ pub trait Scalar:
     fn max(self, other: Self) -> Self;
     /// The smaller of two; the other where one is NaN.
     fn min(self, other: Self) -> Self;
+    /// Whether every lane is above the other's; not where one is NaN.
+    fn all_above(self, other: Self) -> bool;
+    /// `this` in the lanes that are above the other's, else `that`.
+    fn above(self, other: Self, this: Self, that: Self) -> Self;
+}
+
+/// The floating-point type of a state, an integrator or a solver: `f32` or `f64`.
+pub trait Scalar: Number + PartialOrd {
+    /// Positive infinity: the yield or break force of a spring that never yields or breaks.
+    const INFINITY: Self;
+    /// The same value as `f64`.
+    fn f64(self) -> f64;
     /// Neither NaN nor infinite.
     fn is_finite(self) -> bool;
 }
 
 macro_rules! scalar {
-    ($t:ty) => {
-        impl Scalar for $t {
+    ($t:ty, $coarse:expr) => {
+        impl Number for $t {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
-            const INFINITY: Self = <$t>::INFINITY;
+            const COARSE: f64 = $coarse;
+            const LANES: usize = 1;
             #[inline(always)]
             fn of(x: f64) -> Self {
                 x as $t
             }
             #[inline(always)]
-            fn f64(self) -> f64 {
+            fn lane(self, _: usize) -> f64 {
                 self as f64
+            }
+            #[inline(always)]
+            fn of_lanes(mut value: impl FnMut(usize) -> f64) -> Self {
+                value(0) as $t
             }
             #[inline(always)]
             fn sqrt(self) -> Self {
@@ -85,14 +110,30 @@ macro_rules! scalar {
                 <$t>::min(self, other)
             }
             #[inline(always)]
+            fn all_above(self, other: Self) -> bool {
+                self > other
+            }
+            #[inline(always)]
+            fn above(self, other: Self, this: Self, that: Self) -> Self {
+                if self > other { this } else { that }
+            }
+        }
+
+        impl Scalar for $t {
+            const INFINITY: Self = <$t>::INFINITY;
+            #[inline(always)]
+            fn f64(self) -> f64 {
+                self as f64
+            }
+            #[inline(always)]
             fn is_finite(self) -> bool {
                 <$t>::is_finite(self)
             }
         }
     };
 }
-scalar!(f32);
-scalar!(f64);
+scalar!(f32, 1e-4);
+scalar!(f64, 1e-8);
 
 /// `a + b` and what rounding took from it (Knuth's two-sum): `a + b == sum + error` exactly.
 #[inline(always)]

@@ -3,9 +3,10 @@
 use super::error::positive;
 use super::net::{Net, Node, Skin, Spring};
 use super::state::State;
-use super::{BuildError, Material};
+use super::{BuildError, Material, SolidMesh};
 use crate::law::spring::of_section;
 use crate::math::{Real, Vector};
+use std::sync::Arc;
 
 /// Topology and constants of a body. Nodes have their mass, springs their rest length and constants.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -18,6 +19,8 @@ pub struct Blueprint {
     pub faces: Vec<[u32; 3]>,
     /// The surface for pictures.
     pub skin: Option<Skin>,
+    /// The tets over the nodes, if there are any.
+    pub solid: Option<Arc<SolidMesh>>,
 }
 
 impl Blueprint {
@@ -75,18 +78,28 @@ impl Blueprint {
             springs,
             faces: net.faces,
             skin: net.skin,
+            solid: None,
         })
     }
 
     /// The state at rest: no flow, nothing broken, the nodes' own velocities.
     pub fn rest_state(&self) -> State<Real> {
-        State::new(
+        let mut state = State::new(
             self.nodes.iter().map(|n| {
                 let inv_mass = if n.pinned { 0.0 } else { 1.0 / n.mass };
                 (n.position.to_array(), n.linvel.to_array(), inv_mass)
             }),
             self.springs.iter().map(|s| s.rest_length.unwrap_or(0.0)),
-        )
+        );
+        // The digits of a mesh that `f32` does not have.
+        for (i, x) in self
+            .solid
+            .iter()
+            .flat_map(|s| s.mesh.nodes.iter().enumerate())
+        {
+            state.set_position(i, *x);
+        }
+        state
     }
 }
 

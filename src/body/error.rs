@@ -169,6 +169,37 @@ pub enum BuildError {
         /// The shortest substep the budget allows \[s\].
         min_h: f64,
     },
+    /// No stable substep of a solid fits the budget.
+    #[error(
+        "tet {tet} (E = {young} Pa, ν = {poisson}, ρ = {density} kg/m³, {volume:e} m³) needs substeps of {needed_h:e} s, shorter than the {min_h:e} s allowed; lower its stiffness or damping, make the smallest tets larger, or allow more substeps with `Substeps`"
+    )]
+    UnstableTet {
+        /// The worst tet.
+        tet: u32,
+        /// Young's modulus \[Pa\].
+        young: f64,
+        /// Poisson's ratio.
+        poisson: f64,
+        /// Density \[kg/m³\].
+        density: f64,
+        /// Its volume \[m³\].
+        volume: f64,
+        /// The longest stable substep \[s\].
+        needed_h: f64,
+        /// The shortest substep the budget allows \[s\].
+        min_h: f64,
+    },
+    /// The integrator is unstable at any substep for an undamped solid.
+    #[error(
+        "{integrator} is not stable at any substep for a solid without damping; choose another integrator, or `Substeps::Unchecked` to see it grow"
+    )]
+    NeverStableSolid {
+        /// Name of the scheme.
+        integrator: &'static str,
+    },
+    /// A material of springs for a body of tets.
+    #[error("a body of tets has its constants from its `Solid`; `.material(..)` is for springs")]
+    MaterialForTets,
     /// The integrator is unstable at any substep for an undamped body.
     #[error(
         "{integrator} is not stable at any substep for spring {spring}, which has no damping; choose another integrator, or `Substeps::Unchecked` to see it grow"

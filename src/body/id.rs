@@ -9,6 +9,10 @@ pub struct NodeId(pub u32);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct SpringId(pub u32);
 
+/// A tetrahedron of one body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub struct TetId(pub u32);
+
 impl NodeId {
     /// The id as an index into per-node slices.
     #[inline]
@@ -19,6 +23,14 @@ impl NodeId {
 
 impl SpringId {
     /// The id as an index into per-spring slices.
+    #[inline]
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+impl TetId {
+    /// The id as an index into per-tet slices.
     #[inline]
     pub fn index(self) -> usize {
         self.0 as usize

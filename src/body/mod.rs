@@ -1,5 +1,5 @@
-//! What a body is: a [`Net`] of nodes and springs, the constants a [`Material`] gives them, and the state a
-//! solver writes.
+//! What a body is: a [`Net`] of nodes and springs with the constants a [`Material`] gives them, or a [`TetMesh`] of a
+//! [`Solid`], and the state a solver writes.
 
 pub mod blueprint;
 mod border;
@@ -18,11 +18,11 @@ pub mod topology;
 
 pub use blueprint::Blueprint;
 pub use error::BuildError;
-pub use id::{NodeId, SpringId};
+pub use id::{NodeId, SpringId, TetId};
 pub use material::Material;
 pub use net::{Binding, Net, Node, Skin, Spring};
 pub use search::{Feature, SurfacePoint};
-pub use solid::{Solid, SolidLaw};
+pub use solid::{Solid, SolidLaw, SolidMesh};
 pub use state::State;
 pub use surface::{Group, Surface};
 pub use tets::{TetMesh, Tets};

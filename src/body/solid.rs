@@ -1,7 +1,7 @@
 //! Solids of finite elements: constants in SI units and the law that uses them.
 
-use super::BuildError;
 use super::error::{not_negative, positive};
+use super::{BuildError, TetMesh};
 use crate::law::elastic::Lame;
 
 /// The law of elasticity; see [`crate::law::elastic`] for what each is for.
@@ -30,7 +30,7 @@ impl SolidLaw {
 }
 
 /// An isotropic elastic solid.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Solid {
     /// Young's modulus E \[Pa\].
     pub young: f64,
@@ -101,6 +101,15 @@ impl Solid {
         self.check()?;
         Ok(Lame::new(self.young, self.poisson))
     }
+}
+
+/// Tetrahedra made of a solid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SolidMesh {
+    /// The elements at rest, in the body's own frame.
+    pub mesh: TetMesh,
+    /// What they are made of.
+    pub solid: Solid,
 }
 
 #[cfg(test)]

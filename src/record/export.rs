@@ -5,6 +5,7 @@ use super::channel::Interface;
 use super::csv::{CsvError, write_csv};
 use super::history::Moments;
 use super::recorder::Recorder;
+use super::stress::TetSet;
 use crate::world::SpringEventKind;
 use std::path::Path;
 
@@ -31,6 +32,20 @@ fn vectors(columns: &mut Columns, name: &str, unit: &str, values: &[crate::math:
 fn moments(columns: &mut Columns, name: &str, m: &Moments) {
     vectors(columns, name, "m", &m.positions);
     vectors(columns, &format!("{name}_v"), "mps", &m.velocities);
+}
+
+fn stresses(columns: &mut Columns, set: &TetSet) {
+    let entries = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
+    let all = || set.stresses.iter();
+    let von_mises = all().map(|s| s.von_mises).collect();
+    columns.push((format!("{}_von_mises_pa", set.name), von_mises));
+    for (i, j) in entries {
+        let axes = format!("{}{}", AXES[i], AXES[j]);
+        let stress = all().map(|s| s.cauchy[i][j]).collect();
+        columns.push((format!("{}_stress_{axes}_pa", set.name), stress));
+        let strain = all().map(|s| s.strain[i][j]).collect();
+        columns.push((format!("{}_strain_{axes}", set.name), strain));
+    }
 }
 
 impl BodyRecord {
@@ -130,6 +145,11 @@ impl Recorder {
             // A set that was followed later has samples of its own times only.
             if set.deformable == body.deformable && set.history.times == body.center.times {
                 moments(&mut columns, &set.name, &set.history);
+            }
+        }
+        for set in &self.tet_sets {
+            if set.deformable == body.deformable && set.times == body.center.times {
+                stresses(&mut columns, set);
             }
         }
         write(path, &columns)

@@ -1,4 +1,4 @@
-//! One instant of a run, kept to be drawn later: skins with their plastic strain, rigid shapes with their poses.
+//! One instant of a run, kept to be drawn later: skins with their strain, rigid shapes with their poses.
 //!
 //! Copied out of the worlds instead of drawn at once, so that a run is not slowed by drawing and the same frames may be
 //! drawn from several sides.
@@ -15,7 +15,7 @@ pub struct FrameBody {
     pub deformable: DeformableHandle,
     /// Skin vertices, or nodes where there is no skin \[m\].
     pub vertices: Vec<Vector>,
-    /// Mean plastic strain at each of them \[1\].
+    /// Mean plastic strain at each of them \[1\]; of a solid its von Mises stress over E.
     pub strain: Vec<Real>,
     /// Triangles of the skin, or the net's faces.
     pub triangles: Vec<[u32; 3]>,
@@ -53,7 +53,13 @@ impl Frame {
         colliders: &ColliderSet,
     ) -> Self {
         let soft = deformables.iter().map(|(handle, body)| {
-            let nodes = body.node_plastic_strain();
+            let nodes = match body.solid() {
+                None => body.node_plastic_strain(),
+                Some(solid) => {
+                    let over = |s: Real| (f64::from(s) / solid.young) as Real;
+                    body.node_von_mises().into_iter().map(over).collect()
+                }
+            };
             let blueprint = body.blueprint();
             let (strain, triangles) = match &blueprint.skin {
                 None => (nodes, blueprint.faces.clone()),

@@ -15,6 +15,7 @@ pub mod history;
 pub mod recorder;
 pub mod resample;
 pub mod signal;
+pub mod stress;
 
 pub use body::{BodyRecord, Closure, LedgerSample};
 pub use channel::{Channel, Interface};
@@ -25,6 +26,7 @@ pub use history::{Moments, NodeSet};
 pub use recorder::{RecordError, Recorder, Sampling};
 pub use resample::{ResampleError, Resampled, resample};
 pub use signal::SignalError;
+pub use stress::TetSet;
 
 #[cfg(test)]
 mod tests;

@@ -7,7 +7,8 @@ use super::body::BodyRecord;
 use super::channel::Interface;
 use super::history::{Moments, NodeSet};
 use super::resample::{ResampleError, Resampled, resample};
-use crate::body::NodeId;
+use super::stress::TetSet;
+use crate::body::{NodeId, TetId};
 use crate::world::{
     Deformable, DeformableHandle, DeformableWorld, Observer, SpringEvent, SpringEventKind, Substep,
 };
@@ -44,6 +45,9 @@ pub enum RecordError {
     /// A set of nodes that has none.
     #[error("the node set `{0}` has no nodes")]
     NoNodes(String),
+    /// A set of tets that has none.
+    #[error("the set of tets `{0}` has none")]
+    NoTets(String),
 }
 
 /// Records a run.
@@ -55,6 +59,8 @@ pub struct Recorder {
     pub bodies: Vec<BodyRecord>,
     /// Node sets that are followed.
     pub sets: Vec<NodeSet>,
+    /// Sets of tets that are followed.
+    pub tet_sets: Vec<TetSet>,
     /// The first [`Sampling::events`] events.
     pub events: Vec<SpringEvent>,
     /// How many springs have begun to yield.
@@ -111,6 +117,29 @@ impl Recorder {
         }
         self.sets.push(set);
         Ok(self.sets.len() - 1)
+    }
+
+    /// Follows the mean stress and strain of a set of tets from now on; returns its index in [`Self::tet_sets`].
+    ///
+    /// # Errors
+    /// [`RecordError`] for an unknown deformable or a set without existing tets.
+    pub fn follow_tets(
+        &mut self,
+        name: impl Into<String>,
+        world: &DeformableWorld,
+        deformable: DeformableHandle,
+        tets: &[TetId],
+    ) -> Result<usize, RecordError> {
+        let body = world
+            .get(deformable)
+            .ok_or(RecordError::UnknownDeformable(deformable))?;
+        let mut set = TetSet::new(name.into(), deformable, body, tets);
+        if set.tets.is_empty() {
+            return Err(RecordError::NoTets(set.name));
+        }
+        set.sample(body, world.time());
+        self.tet_sets.push(set);
+        Ok(self.tet_sets.len() - 1)
     }
 
     /// The record of a deformable.
@@ -202,6 +231,10 @@ impl Observer for Recorder {
             let (i, new) = self.place(*handle, body, substep.time);
             if !new && self.bodies[i].substep(body, substep, &self.sampling) {
                 for set in self.sets.iter_mut().filter(|s| s.deformable == *handle) {
+                    set.sample(body, substep.time);
+                }
+                let of_tets = self.tet_sets.iter_mut();
+                for set in of_tets.filter(|s| s.deformable == *handle) {
                     set.sample(body, substep.time);
                 }
             }

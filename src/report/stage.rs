@@ -29,8 +29,10 @@ pub struct Stage {
     pub parts: Vec<(String, Range<usize>)>,
     /// The collider that is drawn as a plane instead of a box.
     pub ground: Option<ColliderHandle>,
-    /// Plastic strain at the end of the colour scale \[1\].
+    /// Strain at the end of the colour scale \[1\].
     pub max_strain: f64,
+    /// What the colour scale is of.
+    pub label: &'static str,
     /// Radius of the beads that stand for the nodes of a body without triangles \[m\].
     pub bead: Real,
 }
@@ -79,6 +81,7 @@ impl Stage {
             parts: Vec::new(),
             ground: None,
             max_strain: 0.4,
+            label: "plastic strain",
             bead: BEAD * (hi - lo).length(),
         }
     }
@@ -113,7 +116,7 @@ impl Stage {
         picture.draw_text([size, size], size, [0.2, 0.22, 0.25], &text);
         if self.max_strain > 0.0 {
             picture.draw_color_bar(&ColorBar {
-                label: "plastic strain".into(),
+                label: self.label.into(),
                 unit: String::new(),
                 min: 0.0,
                 max: self.max_strain,

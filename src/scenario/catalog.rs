@@ -1,6 +1,9 @@
 //! All scenes by name.
 
-use super::{Scene, cradle, drop, pile, pole, slalom, terrain, thin_plate, trampoline, wall};
+use super::{
+    Scene, cantilever, cradle, drop, gripper, pile, pole, rubber_drop, slalom, terrain, thin_plate,
+    trampoline, wall,
+};
 
 /// There is no scene of this name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -34,6 +37,9 @@ pub fn all() -> &'static [Scene] {
         pile::SCENE,
         thin_plate::SCENE,
         cradle::SCENE,
+        cantilever::SCENE,
+        rubber_drop::SCENE,
+        gripper::SCENE,
     ]
 }
 

@@ -4,13 +4,16 @@
 //! documentation, the number in a test and what a user sees are the same run. What may vary without its being another
 //! scene (step, substeps, cells, duration) is in [`Options`]; everything else is the scene.
 
+pub mod cantilever;
 pub mod car;
 pub mod catalog;
 pub mod cradle;
 pub mod drop;
 pub mod figures;
+pub mod gripper;
 pub mod pile;
 pub mod pole;
+pub mod rubber_drop;
 pub mod run;
 pub mod slalom;
 pub mod survey;

@@ -67,6 +67,8 @@ pub struct Run {
     pub substeps: u64,
     /// Spring forces evaluated.
     pub spring_updates: u64,
+    /// Forces of tets evaluated.
+    pub tet_updates: u64,
     /// Work of shadows that Rapier did otherwise, summed over its absolute values \[J\].
     pub coupling_defect: f64,
     /// Time spent stepping \[s\], wall clock.
@@ -102,6 +104,7 @@ impl Run {
             view: Vector::new(-0.05, 0.38, 1.0),
             substeps: 0,
             spring_updates: 0,
+            tet_updates: 0,
             coupling_defect: 0.0,
             wall_s: 0.0,
             steps: 0,
@@ -137,6 +140,7 @@ impl Run {
         self.energy.push(energy);
         let report = self.deformables.report();
         self.spring_updates += report.spring_updates;
+        self.tet_updates += report.tet_updates;
         self.coupling_defect += report.coupling_defect.abs();
         for (handle, n) in &report.substeps {
             match self.most.iter_mut().find(|(h, _)| h == handle) {
@@ -173,8 +177,8 @@ impl Run {
     /// Largest energy residual, counts and cost: what every scene reports.
     pub fn common_figures(&self, f: &mut Figures) {
         let bodies = self.deformables.iter();
-        let (nodes, springs) = bodies.fold((0, 0), |(n, s), (_, b)| {
-            (n + b.node_count(), s + b.spring_count())
+        let (nodes, springs, tets) = bodies.fold((0, 0, 0), |(n, s, t), (_, b)| {
+            (n + b.node_count(), s + b.spring_count(), t + b.tet_count())
         });
         let r = &self.recorder;
         f.add("energy_residual", "energy residual", r.max_residual(), "");
@@ -188,6 +192,7 @@ impl Run {
         f.add("springs_broken", "springs broken", r.broken as f64, "");
         f.add("nodes", "nodes", nodes as f64, "");
         f.add("springs", "springs", springs as f64, "");
+        f.add("tets", "tets", tets as f64, "");
         f.add("steps", "steps", self.steps as f64, "");
         f.add("substeps", "substeps", self.substeps as f64, "");
         f.add("dt_s", "step", self.options.dt, "s");
@@ -195,5 +200,7 @@ impl Run {
         f.add("wall_s", "wall clock", self.wall_s, "s");
         let rate = self.spring_updates as f64 / self.wall_s.max(f64::MIN_POSITIVE);
         f.add("spring_updates_per_second", "spring updates", rate, "1/s");
+        let rate = self.tet_updates as f64 / self.wall_s.max(f64::MIN_POSITIVE);
+        f.add("tet_updates_per_second", "tet updates", rate, "1/s");
     }
 }

@@ -86,7 +86,7 @@ fn scale<S: Scalar>(a: Lanes<S>, by: S) -> Lanes<S> {
 }
 
 #[inline(always)]
-fn add_to<S: Scalar>(sum: &mut Lanes<S>, a: Lanes<S>) {
+pub(crate) fn add_to<S: Scalar>(sum: &mut Lanes<S>, a: Lanes<S>) {
     *sum = [sum[0] + a[0], sum[1] + a[1], sum[2] + a[2], sum[3] + a[3]];
 }
 

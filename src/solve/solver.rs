@@ -1,10 +1,11 @@
-//! The solver of one body: its spring table, forces from outside, scratch of a substep, and sums of work.
+//! The solver of one body: its spring table and elements, forces from outside, scratch of a substep, and sums of work.
 //!
 //! It advances a [`State`] that it does not own. A substep has three parts: [`Solver::predict`] moves the body freely,
 //! rows may then change velocities through `kick`, and [`Solver::finish`] completes schemes that evaluate the
 //! force at the new position.
 
 use super::external::{External, ForceField};
+use super::fem::Part;
 use super::forces::{Force, LimitEvent, add_spring_forces, dot, three};
 use super::integrate::Integrator;
 use super::springs::SpringTable;
@@ -14,7 +15,7 @@ use crate::body::net::Spring;
 use crate::body::state::State;
 use crate::math::{DVec3, Scalar, Vector};
 
-/// Advances one body of springs. Generic over the scalar, so that the schemes can be checked in `f64`.
+/// Advances one body of springs and elements. Generic over the scalar, so that the schemes can be checked in `f64`.
 ///
 /// ```
 /// use crumple::{body::{Spring, State}, solve::{Integrator, Solver}};
@@ -31,6 +32,7 @@ use crate::math::{DVec3, Scalar, Vector};
 #[derive(Clone, Debug, Default)]
 pub struct Solver<S> {
     pub(crate) table: SpringTable<S>,
+    pub(crate) part: Option<Part<S>>,
     /// Gravity, drag and node forces.
     pub external: External<S>,
     /// Work done so far.
@@ -58,6 +60,20 @@ impl<S: Scalar> Solver<S> {
             forces: vec![Force::default(); state.particles.len()],
             ..Self::default()
         }
+    }
+
+    /// The same with finite elements over the nodes.
+    pub fn with_elements(self, part: Part<S>) -> Self {
+        Self {
+            part: Some(part),
+            ..self
+        }
+    }
+
+    /// Whether any force depends on velocities.
+    pub(crate) fn is_damped(&self) -> bool {
+        let elements = self.part.as_ref().is_some_and(|p| p.model.is_damped());
+        self.table.damped || elements || self.external.drag > S::ZERO
     }
 
     /// One whole substep of h s without contact.
@@ -103,7 +119,7 @@ impl<S: Scalar> Solver<S> {
         }
     }
 
-    /// Force of springs and outside on a node at the last evaluation \[N\], gravity left out.
+    /// Force of springs, elements and outside on a node at the last evaluation \[N\], gravity left out.
     pub(crate) fn force(&self, node: usize) -> DVec3 {
         let f = &self.forces[node];
         let sum = |k: usize| {
@@ -152,6 +168,9 @@ impl<S: Scalar> Solver<S> {
             &mut self.events,
             commit,
         );
+        if let Some(part) = &self.part {
+            part.add_forces(&state.particles, &mut self.forces);
+        }
         self.work.plastic += happened.plastic;
         self.work.fracture += happened.fracture;
     }

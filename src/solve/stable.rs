@@ -3,7 +3,8 @@
 //! The matrix of one spring, k·dd⊤ ⊗ [1 −1; −1 1], is at most k·dd⊤ ⊗ diag(1 + t, 1 + 1/t) for every t > 0; with
 //! t = m_a/m_b each end gets k·dd⊤·(1/m_a + 1/m_b). So λ(M⁻¹K) ≤ max over nodes of λ(Σ k·dd⊤·(1/m_a + 1/m_b)): exact for
 //! a single spring, a chain and a regular lattice, where the usual row sum, blind to directions, costs 1.7 times the
-//! substeps. A stretched spring also resists sideways, with k(1 − L/l); that is added.
+//! substeps. A stretched spring also resists sideways, with k(1 − L/l); that is added. Elements have a bound of their own,
+//! see [`super::fem`]; of a body with both the sum is taken.
 
 use super::integrate::Integrator;
 use super::solver::Solver;
@@ -18,7 +19,9 @@ pub struct StableStep {
     pub h: f64,
     /// The worst spring, if there is one.
     pub spring: Option<u32>,
-    /// Whether the scheme is unstable at every substep because that spring is undamped.
+    /// The worst element where no spring is at the worst node.
+    pub element: Option<u32>,
+    /// Whether the scheme is unstable at every substep because that spring or element is undamped.
     pub never: bool,
 }
 
@@ -90,6 +93,15 @@ impl<S: Scalar> Solver<S> {
                 relaxation = (c / k, Some(i as u32));
             }
         }
+        let part = self.part.as_ref();
+        let [elastic, viscous] = part.map_or_else(Default::default, |p| p.rates(&state.particles));
+        if let Some(solid) = part.map(|p| p.model.solid()) {
+            // The least c/k of any mode, α/λ + β.
+            let least = solid.mass_damping / elastic.largest + solid.stiffness_damping;
+            if least < relaxation.0 {
+                relaxation = (least, None);
+            }
+        }
         let drag = self.external.drag.f64();
         if drag > 0.0 {
             // Drag damps every mode: C ≥ D·min(1/m), K ≤ max λ(K), both per mass.
@@ -98,12 +110,13 @@ impl<S: Scalar> Solver<S> {
                 .iter()
                 .map(|p| p.inv_mass.f64())
                 .filter(|w| *w > 0.0);
-            let stiffest = stiff.iter().map(cheap_bound).fold(0.0, f64::max);
+            let stiffest = stiff.iter().map(cheap_bound).fold(0.0, f64::max) + elastic.largest;
             relaxation.0 += drag * free.fold(f64::INFINITY, f64::min) / stiffest;
         }
         let limit = |i: usize, eigenvalue: fn(&Sym) -> f64| {
             let c = damp.get(i).map_or(0.0, eigenvalue) + drag * state.particles[i].inv_mass.f64();
-            integrator.stable_step(eigenvalue(&stiff[i]), c, relaxation.0)
+            let (k, c) = (eigenvalue(&stiff[i]) + elastic.largest, c + viscous.largest);
+            integrator.stable_step(k, c, relaxation.0)
         };
         let mut worst = (f64::INFINITY, None);
         for i in (0..nodes).filter(|&i| state.particles[i].inv_mass > S::ZERO) {
@@ -115,13 +128,15 @@ impl<S: Scalar> Solver<S> {
             }
         }
         let never = worst.0 <= 0.0;
+        let spring = if never {
+            relaxation.1
+        } else {
+            worst.1.and_then(|i| self.stiffest_at(i, state))
+        };
         StableStep {
             h: worst.0,
-            spring: if never {
-                relaxation.1
-            } else {
-                worst.1.and_then(|i| self.stiffest_at(i, state))
-            },
+            spring,
+            element: elastic.element.filter(|_| spring.is_none()),
             never,
         }
     }

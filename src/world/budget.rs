@@ -6,7 +6,7 @@ use crate::body::BuildError;
 use crate::solve::stable::StableStep;
 
 impl Deformable {
-    /// The longest stable substep of its scheme now, and the spring that sets it.
+    /// The longest stable substep of its scheme now, and the spring or tet that sets it.
     pub fn stable_step(&self) -> StableStep {
         self.solver.stable_step(&self.state, self.integrator())
     }
@@ -21,13 +21,30 @@ impl Deformable {
             Substeps::Fixed(n) => self.defaults.expected_dt / n as f64,
             Substeps::Unchecked(_) => return Ok(()),
         };
-        match stable.spring {
-            Some(spring) if stable.never => Err(BuildError::NeverStable {
-                integrator: self.integrator().name(),
-                spring,
-            }),
-            Some(spring) if stable.h < min_h => Err(self.unstable(spring, stable.h, min_h)),
+        let integrator = self.integrator().name();
+        match (stable.spring, stable.element) {
+            (Some(spring), _) if stable.never => {
+                Err(BuildError::NeverStable { integrator, spring })
+            }
+            (_, Some(_)) if stable.never => Err(BuildError::NeverStableSolid { integrator }),
+            (Some(spring), _) if stable.h < min_h => Err(self.unstable(spring, stable.h, min_h)),
+            (_, Some(tet)) if stable.h < min_h => Err(self.unstable_tet(tet, stable.h, min_h)),
             _ => Ok(()),
+        }
+    }
+
+    fn unstable_tet(&self, tet: u32, needed_h: f64, min_h: f64) -> BuildError {
+        let solid = self.solid().copied().unwrap_or_default();
+        let mesh = self.blueprint.solid.as_deref().map(|s| &s.mesh);
+        let volume = mesh.and_then(|m| m.corner_volumes().nth(tet as usize));
+        BuildError::UnstableTet {
+            tet,
+            young: solid.young,
+            poisson: solid.poisson,
+            density: solid.density,
+            volume: volume.unwrap_or(0.0),
+            needed_h,
+            min_h,
         }
     }
 

@@ -1,13 +1,15 @@
-//! The builder: a net, materials, and how the body enters the world.
+//! The builder: a net with materials or a solid of tets, and how the body enters the world.
 
 use super::Deformable;
+use super::into::{IntoNet, IntoTetMesh};
 use super::params::Substeps;
 use crate::body::error::{not_negative, positive};
-use crate::body::{Blueprint, BuildError, Material, Net, Topology};
+use crate::body::{Blueprint, BuildError, Material, Net, Node, Solid, SolidMesh, Topology};
 use crate::contact::encounter::outline;
 use crate::contact::target::{Surface, wide_rotation};
-use crate::math::{DVec3, Pose, Real, Rotation, Vector, wide};
+use crate::math::{DVec3, Pose, Real, Rotation, Vector, narrow, wide};
 use crate::solve::external::ForceField;
+use crate::solve::fem::{Model, Part};
 use crate::solve::{Integrator, Solver};
 use rapier3d::dynamics::CoefficientCombineRule;
 use rapier3d::geometry::InteractionGroups;
@@ -33,6 +35,8 @@ type Region = Arc<dyn Fn(Vector) -> bool + Send + Sync>;
 #[must_use]
 pub struct DeformableBuilder {
     net: Result<Net, BuildError>,
+    solid: Option<SolidMesh>,
+    pins: Vec<Region>,
     material: Option<Material>,
     regions: Vec<(Region, Material)>,
     total_mass: Option<Real>,
@@ -54,6 +58,8 @@ impl DeformableBuilder {
     pub fn new(net: impl IntoNet) -> Self {
         Self {
             net: net.into_net(),
+            solid: None,
+            pins: Vec::new(),
             material: None,
             regions: Vec::new(),
             total_mass: None,
@@ -69,6 +75,38 @@ impl DeformableBuilder {
             enabled: true,
             user_data: 0,
         }
+    }
+
+    /// A body of finite elements: this mesh made of this solid. The result of a shape function may be passed as it is.
+    /// The surface, with the middle nodes of quadratic tets, is what touches others.
+    ///
+    /// ```
+    /// use crumple::prelude::*;
+    /// use crumple::rapier3d::prelude::*;
+    /// use crumple::shape::{TetSplit, tet_box};
+    /// let rubber = Solid::new(2.0e6, 0.45, 1100.0).law(SolidLaw::NeoHookean);
+    /// let mesh = tet_box(Vector::new(0.4, 0.1, 0.1), 0.05, TetSplit::Six)?;
+    /// let body = DeformableBuilder::tets(mesh.quadratic(), rubber)
+    ///     .pin(|x| x.x < -0.199)
+    ///     .build()?;
+    /// assert_eq!(body.tet_count(), 8 * 2 * 2 * 6);
+    /// assert!((body.mass() - 4.4).abs() < 1e-4);
+    /// # Ok::<(), crumple::body::BuildError>(())
+    /// ```
+    pub fn tets(mesh: impl IntoTetMesh, solid: Solid) -> Self {
+        match mesh.into_tet_mesh() {
+            Ok(mesh) => Self {
+                solid: Some(SolidMesh { mesh, solid }),
+                ..Self::new(Net::default())
+            },
+            Err(error) => Self::new(Err(error)),
+        }
+    }
+
+    /// Pins the nodes whose place in the body's own frame satisfies `which`.
+    pub fn pin(mut self, which: impl Fn(Vector) -> bool + Send + Sync + 'static) -> Self {
+        self.pins.push(Arc::new(which));
+        self
     }
 
     /// The material of all springs that have a section, and of all nodes that have a volume.
@@ -264,7 +302,19 @@ impl DeformableBuilder {
                 .map(|(_, m)| *m)
                 .or(material)
         };
-        let blueprint = Blueprint::resolve(self.net?, material_at, self.total_mass)?;
+        let mut net = self.net?;
+        let model = match &self.solid {
+            Some(_) if material.is_some() || !regions.is_empty() => {
+                return Err(BuildError::MaterialForTets);
+            }
+            Some(solid) => Some(elements(solid, &mut net)?),
+            None => None,
+        };
+        for pins in &self.pins {
+            net = net.pin(|x| pins(x));
+        }
+        let mut blueprint = Blueprint::resolve(net, material_at, self.total_mass)?;
+        blueprint.solid = self.solid.map(Arc::new);
         let thickness = not_negative("the thickness", self.surface.thickness.into())?;
         let limit = 0.5 * outline::spacing(&blueprint);
         if thickness > limit {
@@ -283,6 +333,10 @@ impl DeformableBuilder {
         }
         state.recentre(0.0);
         let mut solver = Solver::new(&blueprint.springs, &state);
+        if let Some(model) = model {
+            let masses: Vec<f64> = blueprint.nodes.iter().map(|n| n.mass.into()).collect();
+            solver = solver.with_elements(Part::new(Arc::new(model), &masses));
+        }
         solver.external.drag = self.drag;
         let mut body = Deformable {
             slots: vec![u32::MAX; state.particles.len()],
@@ -316,38 +370,17 @@ impl DeformableBuilder {
     }
 }
 
-/// What a builder takes as a net: a net, or the result of a shape function.
-pub trait IntoNet {
-    /// The net, or why there is none.
-    fn into_net(self) -> Result<Net, BuildError>;
-}
-
-impl IntoNet for Net {
-    fn into_net(self) -> Result<Net, BuildError> {
-        Ok(self)
-    }
-}
-
-impl IntoNet for Result<Net, BuildError> {
-    fn into_net(self) -> Result<Net, BuildError> {
-        self
-    }
-}
-
-/// What a world takes as a body: a builder, or a body that was built before.
-pub trait IntoDeformable {
-    /// The body, or why there is none.
-    fn into_deformable(self) -> Result<Deformable, BuildError>;
-}
-
-impl IntoDeformable for Deformable {
-    fn into_deformable(self) -> Result<Deformable, BuildError> {
-        Ok(self)
-    }
-}
-
-impl IntoDeformable for DeformableBuilder {
-    fn into_deformable(self) -> Result<Deformable, BuildError> {
-        self.build()
-    }
+/// The elements of a solid, their nodes and faces put into a net.
+fn elements(solid: &SolidMesh, net: &mut Net) -> Result<Model<Real>, BuildError> {
+    let model = Model::new(&solid.mesh, solid.solid)?;
+    let node = |(x, mass): (&DVec3, f64)| Node::new(narrow(*x), mass as Real);
+    net.nodes = solid
+        .mesh
+        .nodes
+        .iter()
+        .zip(model.masses())
+        .map(node)
+        .collect();
+    net.faces = solid.mesh.faces.clone();
+    Ok(model)
 }

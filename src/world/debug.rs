@@ -5,6 +5,8 @@
 
 use super::{Deformable, DeformableHandle, DeformableWorld};
 use crate::body::SpringId;
+use crate::law::basis;
+use crate::law::elastic::mean_pressure;
 use crate::math::{DVec3, Real, Vector, narrow};
 
 /// What is drawn, and how.
@@ -13,13 +15,15 @@ use crate::math::{DVec3, Real, Vector, narrow};
 pub struct DebugStyle {
     /// Unbroken springs, coloured by their load.
     pub springs: bool,
+    /// Edges of tets between corners, coloured by von Mises stress, as tension or compression by its mean.
+    pub tets: bool,
     /// Sides of the faces.
     pub faces: bool,
     /// A cross at each pinned node.
     pub pinned: bool,
     /// A cross at each attached node.
     pub attachments: bool,
-    /// Strain at which a spring that never yields has its full colour; one that yields has it when it flows.
+    /// Strain at which a spring that never yields, or a tet, has its full colour; a spring that yields has it when it flows.
     pub full_strain: Real,
     /// Half the length of the crosses' arms \[m\].
     pub cross: Real,
@@ -43,6 +47,7 @@ impl Default for DebugStyle {
     fn default() -> Self {
         Self {
             springs: true,
+            tets: true,
             faces: false,
             pinned: true,
             attachments: true,
@@ -132,6 +137,16 @@ impl DeformableWorld {
                 if let Some(load) = body.load(i, style.full_strain.into()) {
                     let [a, b] = spring.nodes.map(at);
                     line(a, b, style.load_color(load));
+                }
+            }
+        }
+        if let (true, Some(mesh)) = (style.tets, body.tet_mesh()) {
+            let full = body.solid().map_or(1.0, |s| s.young) * f64::from(style.full_strain);
+            for (corners, stress) in mesh.tets.corners().zip(body.stresses()) {
+                let pressure = mean_pressure(&stress.cauchy);
+                let load = -(stress.von_mises / full).copysign(pressure);
+                for [a, b] in basis::EDGES {
+                    line(at(corners[a]), at(corners[b]), style.load_color(load));
                 }
             }
         }

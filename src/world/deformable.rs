@@ -65,6 +65,7 @@ impl std::fmt::Debug for Deformable {
         f.debug_struct("Deformable")
             .field("nodes", &self.node_count())
             .field("springs", &self.spring_count())
+            .field("tets", &self.tet_count())
             .field("enabled", &self.enabled)
             .field("frozen", &self.frozen)
             .finish_non_exhaustive()
@@ -204,7 +205,7 @@ impl Deformable {
             .collect()
     }
 
-    /// Largest strain of any unbroken spring now, as length over first rest length minus 1.
+    /// Largest strain of any unbroken spring and any edge of a tet now, as length over first rest length minus 1.
     pub fn max_strain(&self) -> f64 {
         (0..self.spring_count())
             .filter(|&i| !self.state.broken[i])
@@ -212,7 +213,7 @@ impl Deformable {
                 let rest = f64::from(self.blueprint.springs[i].rest_length.unwrap_or(1.0));
                 (self.length_of(i) / rest - 1.0).abs()
             })
-            .fold(0.0, f64::max)
+            .fold(self.max_edge_strain(), f64::max)
     }
 
     /// Where the vertices of the skin are now \[m\]; the nodes themselves where it has none.

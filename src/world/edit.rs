@@ -237,6 +237,11 @@ impl Deformable {
             if particle.inv_mass > 0.0 {
                 particle.inv_mass = 1.0 / mass;
             }
+            if let Some(part) = &mut body.solver.part {
+                let nodes = body.blueprint.nodes.iter();
+                let masses: Vec<f64> = nodes.map(|n| n.mass.into()).collect();
+                *part = part.weighed(&masses);
+            }
         });
     }
 

@@ -3,7 +3,9 @@
 use super::Deformable;
 use crate::law::plastic::{self, Mapped, Yield, return_map};
 use crate::law::spring as law;
+use crate::math::{Real, Vector};
 use crate::solve::Integrator;
+use crate::solve::fem::Part;
 use crate::solve::work::Work;
 
 /// Energies of a body and the work done on it so far \[J\].
@@ -12,7 +14,7 @@ pub struct Energies {
     /// ½Σ m·v⁻·v⁺ with the velocities half a substep before and after for symplectic Euler and velocity Verlet, which are
     /// leapfrog; ½Σ m·v² for the other schemes.
     pub kinetic: f64,
-    /// Held by the springs, and by the links of the body's attachments.
+    /// Held by springs and tets, and by the links of the body's attachments.
     pub elastic: f64,
     /// Σ −m·g·x, relative to where the body was inserted.
     pub gravity: f64,
@@ -77,6 +79,12 @@ impl Deformable {
             }
             energies.gravity -= mass * gravity.dot(self.state.position(i) - self.datum);
         }
+        if let Some(part) = &self.solver.part {
+            energies.elastic += part.model.energy(|n| self.state.local(n).to_array());
+            if lead > 0.0 {
+                energies.kinetic += lead * self.power_of_tets(part);
+            }
+        }
         for (i, link) in self.solver.table.links.iter().enumerate() {
             let stiffness = f64::from(link.stiffness);
             if stiffness == 0.0 {
@@ -95,6 +103,16 @@ impl Deformable {
             energies.kinetic -= lead * mapped.tension * rate;
         }
         energies
+    }
+
+    /// What the elastic forces of the tets do to the nodes now \[W\].
+    fn power_of_tets(&self, part: &Part<Real>) -> f64 {
+        let mut power = 0.0;
+        part.model.add_elastic(
+            |n| self.state.particles[n].x,
+            |n, f| power += Vector::from_array(f).as_dvec3().dot(self.state.velocity(n)),
+        );
+        power
     }
 
     /// Tension of a spring at a length, and the flow that the next force evaluation will commit.

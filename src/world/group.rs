@@ -296,6 +296,7 @@ impl DeformableWorld {
         for (handle, body) in &group.members {
             report.add_substeps(*handle, n);
             report.spring_updates += (n * body.spring_count()) as u64;
+            report.tet_updates += (n * body.tet_count()) as u64;
         }
     }
 }

@@ -12,6 +12,7 @@ mod edit;
 mod energies;
 mod group;
 mod hooks;
+mod into;
 mod kinematic;
 mod meet;
 mod motion;
@@ -24,7 +25,10 @@ mod reach;
 mod report;
 mod sense;
 mod settings;
+#[cfg(feature = "statics")]
+mod settle;
 mod sleep;
+mod solid;
 mod solve;
 mod step;
 mod substep;
@@ -33,11 +37,12 @@ mod touch;
 
 pub use attach::AttachmentState;
 pub use attachment::{AttachError, AttachTo, Attachment};
-pub use builder::{DeformableBuilder, IntoDeformable, IntoNet};
+pub use builder::DeformableBuilder;
 pub use debug::{DebugStyle, rgba};
 pub use deformable::Deformable;
 pub use energies::Energies;
 pub use hooks::{DeformableHooks, PairContext};
+pub use into::{IntoDeformable, IntoNet, IntoTetMesh};
 pub use observer::{
     AttachmentBroke, AttachmentImpulse, NodeImpulse, Observer, PairImpulse, Partner, SpringEvent,
     SpringEventKind, Substep,

@@ -16,6 +16,8 @@ pub struct StepReport {
     pub substeps: Vec<(DeformableHandle, usize)>,
     /// Spring forces evaluated: springs × substeps.
     pub spring_updates: u64,
+    /// Forces of tets evaluated: tets × substeps.
+    pub tet_updates: u64,
     /// Bodies frozen in this step because their state became non-finite.
     pub frozen: Vec<DeformableHandle>,
     /// Bodies that asked for too few substeps: taken as asked for `Substeps::Unchecked`, raised for `Substeps::Fixed`.

@@ -2,6 +2,7 @@
 
 use super::{TetMesh, Tets, faces};
 use crate::law::basis;
+#[cfg(any(feature = "import", test))]
 use crate::math::DVec3;
 
 impl TetMesh {

@@ -3,29 +3,29 @@
 use super::tensor::{
     Mat, contract, det, from_fn, mul_transpose, scale, sub, trace, transpose_mul, unit,
 };
-use crate::math::Scalar;
+use crate::math::Number;
 
 /// The Green strain ½(FᵀF − I).
 #[inline(always)]
-pub fn green_strain<S: Scalar>(f: &Mat<S>) -> Mat<S> {
+pub fn green_strain<S: Number>(f: &Mat<S>) -> Mat<S> {
     scale(&sub(&transpose_mul(f, f), &unit()), S::of(0.5))
 }
 
 /// The Cauchy stress P·Fᵀ/J \[Pa\], force per current area; not finite for a flat element.
 #[inline(always)]
-pub fn cauchy<S: Scalar>(stress: &Mat<S>, f: &Mat<S>) -> Mat<S> {
+pub fn cauchy<S: Number>(stress: &Mat<S>, f: &Mat<S>) -> Mat<S> {
     scale(&mul_transpose(stress, f), S::ONE / det(f))
 }
 
 /// −⅓ tr σ \[Pa\], positive in compression.
 #[inline(always)]
-pub fn mean_pressure<S: Scalar>(cauchy: &Mat<S>) -> S {
+pub fn mean_pressure<S: Number>(cauchy: &Mat<S>) -> S {
     -trace(cauchy) / S::of(3.0)
 }
 
 /// The von Mises stress √(3/2·s:s) \[Pa\], s the deviator of a Cauchy stress.
 #[inline(always)]
-pub fn von_mises<S: Scalar>(cauchy: &Mat<S>) -> S {
+pub fn von_mises<S: Number>(cauchy: &Mat<S>) -> S {
     let p = mean_pressure(cauchy);
     let s = from_fn(|i, j| cauchy[i][j] + if i == j { p } else { S::ZERO });
     (S::of(1.5) * contract(&s, &s)).sqrt()

@@ -19,6 +19,7 @@
 //! Each is a value of a few numbers and [`Elastic`] is what a loop over elements is compiled for, once per law.
 
 mod corotational;
+mod majorant;
 mod measure;
 mod neo_hookean;
 pub mod polar;
@@ -28,23 +29,26 @@ pub mod tensor;
 mod viscous;
 
 pub use corotational::Corotational;
+pub use majorant::Majorant;
 pub use measure::{cauchy, green_strain, mean_pressure, von_mises};
 pub use neo_hookean::NeoHookean;
 pub use st_venant::StVenantKirchhoff;
 pub use stable_neo_hookean::StableNeoHookean;
 pub use viscous::Viscous;
 
-use crate::math::Scalar;
+use crate::math::Number;
 use tensor::Mat;
 
-/// An elastic law: three functions of F. All are finite for every finite F, flat and inverted ones included.
-pub trait Elastic<S: Scalar>: Copy + Send + Sync {
+/// An elastic law: functions of F. All are finite for every finite F, flat and inverted ones included.
+pub trait Elastic<S: Number>: Copy + Send + Sync {
     /// W, stored energy per volume at rest \[J/m³\]; 0 at rest.
     fn energy(&self, f: &Mat<S>) -> S;
     /// P = ∂W/∂F \[Pa\]: force per area at rest.
     fn stress(&self, f: &Mat<S>) -> Mat<S>;
     /// The change of P along `d` \[Pa\], ∂P/∂F : d.
     fn differential(&self, f: &Mat<S>, d: &Mat<S>) -> Mat<S>;
+    /// A bound of [`Self::differential`] at F.
+    fn majorant(&self, f: &Mat<S>) -> Majorant<S>;
     /// The Cauchy stress \[Pa\].
     #[inline(always)]
     fn cauchy(&self, f: &Mat<S>) -> Mat<S> {
@@ -61,7 +65,7 @@ pub struct Lame<S> {
     pub mu: S,
 }
 
-impl<S: Scalar> Lame<S> {
+impl<S: Number> Lame<S> {
     /// From Young's modulus \[Pa\] and Poisson's ratio, which must be in (−1, ½).
     pub fn new(young: f64, poisson: f64) -> Self {
         let mu = 0.5 * young / (1.0 + poisson);

@@ -1,8 +1,9 @@
 //! The compressible neo-Hookean solid of the textbooks.
 
+use super::majorant::{Majorant, of_volume};
 use super::tensor::{Mat, add_scaled, cofactor, cofactor_differential, contract, det, scale};
 use super::{Elastic, Lame};
-use crate::math::Scalar;
+use crate::math::Number;
 
 /// W = μ/2(I₁ − 3) + g(J), g = −μ ln J + λ/2 ln²J, with I₁ = ‖F‖² and J = det F.
 ///
@@ -12,7 +13,7 @@ use crate::math::Scalar;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NeoHookean<S>(pub Lame<S>);
 
-impl<S: Scalar> NeoHookean<S> {
+impl<S: Number> NeoHookean<S> {
     /// The J below which the energy is the parabola.
     pub const FLOOR: f64 = 0.1;
 
@@ -36,7 +37,7 @@ impl<S: Scalar> NeoHookean<S> {
     }
 }
 
-impl<S: Scalar> Elastic<S> for NeoHookean<S> {
+impl<S: Number> Elastic<S> for NeoHookean<S> {
     #[inline(always)]
     fn energy(&self, f: &Mat<S>) -> S {
         let [value, ..] = self.volume(det(f));
@@ -55,5 +56,13 @@ impl<S: Scalar> Elastic<S> for NeoHookean<S> {
         let c = cofactor(f);
         let along = add_scaled(&scale(d, self.0.mu), curvature * contract(&c, d), &c);
         add_scaled(&along, slope, &cofactor_differential(f, d))
+    }
+
+    #[inline(always)]
+    fn majorant(&self, f: &Mat<S>) -> Majorant<S> {
+        let c = cofactor(f);
+        let j = det(f);
+        let [_, slope, curvature] = self.volume(j);
+        of_volume(f, &c, j, [self.0.mu, slope, curvature])
     }
 }

@@ -1,25 +1,31 @@
 //! The rotation nearest to a deformation, for every deformation: F = R·S with R a proper rotation.
 //!
-//! R maximises tr(RᵀF). Written with a unit quaternion q that is qᵀKq, with K a symmetric traceless 4×4 matrix linear in F
-//! (Davenport's q-method; Horn 1987), so q is the eigenvector of K's largest eigenvalue. That needs no case for inverted
-//! or flat elements: where det F < 0, S has one negative eigenvalue, the smallest in size, which is the choice that
-//! lets an inverted element turn back (Irving, Teran & Fedkiw 2004). A polar decomposition by Newton's iteration or by
-//! singular values would need the sign repaired afterwards. The one place where R is not unique is det F < 0 with the
-//! two smallest stretches equal: there R is one of the nearest rotations.
+//! R maximises tr(RᵀF). The trace of S is the largest root t of a quartic whose coefficients are invariants of F, and
+//! R = ∂t/∂F is rational in F and t (Lin, Chitalu & Komura, *Isotropic ARAP Energy Using Cauchy–Green Invariants*, 2022).
+//! That needs no case for inverted or flat elements: where det F < 0, S has one negative eigenvalue, the smallest in size,
+//! which is the choice that lets an inverted element turn back (Irving, Teran & Fedkiw 2004). A polar
+//! decomposition by Newton's iteration or by singular values would need the sign repaired afterwards.
 //!
-//! The largest root of K's characteristic polynomial is found by Newton's method from the bound λ ≤ √3·‖F‖, which
-//! converges from above; for a rotation the bound is the root.
+//! Where two stretches nearly cancel, the quotient loses its digits. There R comes from a quaternion q, as the
+//! eigenvector to t of the 4×4 matrix K for which tr(RᵀF) = qᵀKq (Davenport's q-method; Horn 1987). The one place where R is
+//! not unique is det F < 0 with the two smallest stretches equal: there R is one of the nearest rotations.
+//!
+//! The root is found by Newton's method from the bound t ≤ √3·‖F‖, which converges from above; for a rotation the bound is
+//! the root.
 
-use super::tensor::{Mat, contract, det, transpose_mul};
-use crate::math::Scalar;
+use super::tensor::{Mat, add_scaled, cofactor, contract, det, from_fn, mul, scale, transpose_mul};
+use crate::math::{Number, WIDTH};
 
 /// More than this many Newton steps are never needed outside the double root, where the last few change nothing of use.
 const STEPS: usize = 24;
 
+/// Below this product of the sums of two stretches, over ½‖F‖³, the quotient is not used; 3.08 for a rotation.
+const CLOSE: f64 = 1e-2;
+
 /// R and S of F = R·S, R a proper rotation, S symmetric. R is the unit matrix for F = 0 and has no meaning for entries that
 /// are not finite.
 #[inline(always)]
-pub fn polar<S: Scalar>(f: &Mat<S>) -> (Mat<S>, Mat<S>) {
+pub fn polar<S: Number>(f: &Mat<S>) -> (Mat<S>, Mat<S>) {
     let r = rotation(f);
     let s = transpose_mul(&r, f);
     (r, super::tensor::symmetric(&s))
@@ -27,19 +33,63 @@ pub fn polar<S: Scalar>(f: &Mat<S>) -> (Mat<S>, Mat<S>) {
 
 /// The proper rotation nearest to `f`.
 #[inline(always)]
-pub fn rotation<S: Scalar>(f: &Mat<S>) -> Mat<S> {
+pub fn rotation<S: Number>(f: &Mat<S>) -> Mat<S> {
+    let c = cofactor(f);
+    let j = f[0][0] * c[0][0] + f[0][1] * c[0][1] + f[0][2] * c[0][2];
+    let square = contract(f, f);
+    let size = square.sqrt();
+    let two = S::of(2.0);
+    let t = trace_of_stretch(square, size, contract(&c, &c), j);
+    let gap = t * (t * t - square) - two * j;
+    if !gap.all_above(S::of(CLOSE) * square * size) {
+        return one_by_one(f);
+    }
+    let sum = scale(f, t * t + square);
+    let sum = add_scaled(&sum, -two, &mul(f, &transpose_mul(f, f)));
+    scale(&add_scaled(&sum, two * t, &c), S::ONE / gap)
+}
+
+/// The largest root of (t² − ‖F‖²)² − 4‖cof F‖² − 8·det(F)·t.
+#[inline(always)]
+fn trace_of_stretch<S: Number>(square: S, size: S, cofactors: S, j: S) -> S {
+    let (four, eight) = (S::of(4.0), S::of(8.0));
+    let mut root = S::of(3.0_f64.sqrt()) * size;
+    for _ in 0..STEPS {
+        let over = root * root - square;
+        let value = over * over - four * cofactors - eight * j * root;
+        let slope = four * root * over - eight * j;
+        let step = value / slope;
+        root -= step;
+        if (S::of(S::COARSE) * root).all_above(step.abs()) {
+            break;
+        }
+    }
+    root
+}
+
+/// The rotation of each lane by itself, in `f64`.
+#[cold]
+#[inline(never)]
+fn one_by_one<S: Number>(f: &Mat<S>) -> Mat<S> {
+    let mut lanes = [super::tensor::zero(); WIDTH];
+    for (lane, r) in lanes.iter_mut().enumerate().take(S::LANES) {
+        *r = by_quaternion(&from_fn(|i, j| f[i][j].lane(lane)));
+    }
+    from_fn(|i, j| S::of_lanes(|lane| lanes[lane][i][j]))
+}
+
+fn by_quaternion(f: &Mat<f64>) -> Mat<f64> {
     let size = contract(f, f).sqrt();
-    if !(size > S::ZERO && size.is_finite()) {
+    if !(size > 0.0 && size.is_finite()) {
         return super::tensor::unit();
     }
-    // Entries of about 1 keep the quartic within the range of f32.
-    let f = super::tensor::scale(f, S::ONE / size);
+    // Entries of about 1 keep the quartic within range.
+    let f = scale(f, 1.0 / size);
     from_quaternion(eigenvector(&davenport(&f), largest_root(&f)))
 }
 
 /// K, whose quadratic form over unit quaternions (w, x, y, z) is tr(RᵀF).
-#[inline(always)]
-fn davenport<S: Scalar>(f: &Mat<S>) -> [[S; 4]; 4] {
+fn davenport(f: &Mat<f64>) -> [[f64; 4]; 4] {
     let (xx, yy, zz) = (f[0][0], f[1][1], f[2][2]);
     let (x, y, z) = (f[2][1] - f[1][2], f[0][2] - f[2][0], f[1][0] - f[0][1]);
     let (xy, xz, yz) = (f[0][1] + f[1][0], f[0][2] + f[2][0], f[1][2] + f[2][1]);
@@ -52,19 +102,18 @@ fn davenport<S: Scalar>(f: &Mat<S>) -> [[S; 4]; 4] {
 }
 
 /// The largest root of det(K − λI) = λ⁴ − 2‖F‖²λ² − 8·det(F)·λ + det K, for ‖F‖ = 1.
-#[inline(always)]
-fn largest_root<S: Scalar>(f: &Mat<S>) -> S {
+fn largest_root(f: &Mat<f64>) -> f64 {
     let c = super::tensor::cofactor(f);
     // With stretches σ: det K = Σσ⁴ − 2Σσᵢ²σⱼ² = ‖F‖⁴ − 4‖cof F‖².
-    let constant = S::ONE - S::of(4.0) * contract(&c, &c);
-    let linear = S::of(8.0) * det(f);
-    let two = S::of(2.0);
-    let mut root = S::of(3.0_f64.sqrt());
+    let constant = 1.0 - 4.0 * contract(&c, &c);
+    let linear = 8.0 * det(f);
+    let two = 2.0;
+    let mut root = 3.0_f64.sqrt();
     for _ in 0..STEPS {
         let square = root * root;
         let value = (square - two) * square - linear * root + constant;
-        let slope = S::of(4.0) * (square - S::ONE) * root - linear;
-        if slope <= S::ZERO || value <= S::ZERO {
+        let slope = 4.0 * (square - 1.0) * root - linear;
+        if slope <= 0.0 || value <= 0.0 {
             break;
         }
         let next = root - value / slope;
@@ -77,13 +126,12 @@ fn largest_root<S: Scalar>(f: &Mat<S>) -> S {
 }
 
 /// The eigenvector of a simple eigenvalue: the longest column of the adjugate of K − λI.
-#[inline(always)]
-fn eigenvector<S: Scalar>(k: &[[S; 4]; 4], root: S) -> [S; 4] {
+fn eigenvector(k: &[[f64; 4]; 4], root: f64) -> [f64; 4] {
     let mut m = *k;
     for (i, row) in m.iter_mut().enumerate() {
         row[i] -= root;
     }
-    let mut best = ([S::ONE, S::ZERO, S::ZERO, S::ZERO], S::ZERO);
+    let mut best = ([1.0, 0.0, 0.0, 0.0], 0.0);
     for column in 0..4 {
         let q = adjugate_column(&m, column);
         let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
@@ -94,8 +142,7 @@ fn eigenvector<S: Scalar>(k: &[[S; 4]; 4], root: S) -> [S; 4] {
     best.0
 }
 
-#[inline(always)]
-fn adjugate_column<S: Scalar>(m: &[[S; 4]; 4], column: usize) -> [S; 4] {
+fn adjugate_column(m: &[[f64; 4]; 4], column: usize) -> [f64; 4] {
     let others =
         |skip: usize| -> [usize; 3] { std::array::from_fn(|i| i + usize::from(i >= skip)) };
     let rows = others(column);
@@ -111,30 +158,29 @@ fn adjugate_column<S: Scalar>(m: &[[S; 4]; 4], column: usize) -> [S; 4] {
 }
 
 /// The rotation of a quaternion (w, x, y, z) of any length but zero.
-#[inline(always)]
-fn from_quaternion<S: Scalar>(q: [S; 4]) -> Mat<S> {
-    let largest = q.iter().fold(S::ZERO, |m, c| m.max(c.abs()));
-    if largest <= S::ZERO {
+fn from_quaternion(q: [f64; 4]) -> Mat<f64> {
+    let largest = q.iter().fold(0.0, |m, c| m.max(c.abs()));
+    if largest <= 0.0 {
         return super::tensor::unit();
     }
     let q = q.map(|c| c / largest);
     let [w, x, y, z] = q;
-    let s = S::of(2.0) / (w * w + x * x + y * y + z * z);
+    let s = 2.0 / (w * w + x * x + y * y + z * z);
     [
         [
-            S::ONE - s * (y * y + z * z),
+            1.0 - s * (y * y + z * z),
             s * (x * y - w * z),
             s * (x * z + w * y),
         ],
         [
             s * (x * y + w * z),
-            S::ONE - s * (x * x + z * z),
+            1.0 - s * (x * x + z * z),
             s * (y * z - w * x),
         ],
         [
             s * (x * z - w * y),
             s * (y * z + w * x),
-            S::ONE - s * (x * x + y * y),
+            1.0 - s * (x * x + y * y),
         ],
     ]
 }
@@ -142,7 +188,7 @@ fn from_quaternion<S: Scalar>(q: [S; 4]) -> Mat<S> {
 /// How R changes along `d`: dR = R·\[ω\]ₓ with (tr(S)·I − S)·ω the axial vector of Rᵀd − dᵀR. It grows without bound where
 /// R is not unique; there the change is held finite.
 #[inline(always)]
-pub fn rotation_differential<S: Scalar>(r: &Mat<S>, s: &Mat<S>, d: &Mat<S>) -> Mat<S> {
+pub fn rotation_differential<S: Number>(r: &Mat<S>, s: &Mat<S>, d: &Mat<S>) -> Mat<S> {
     let a = transpose_mul(r, d);
     let axial = [a[2][1] - a[1][2], a[0][2] - a[2][0], a[1][0] - a[0][1]];
     let t = super::tensor::trace(s);

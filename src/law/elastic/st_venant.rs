@@ -1,11 +1,12 @@
 //! The St. Venant–Kirchhoff solid.
 
+use super::majorant::{Majorant, largest_square, row_norm};
 use super::measure::green_strain;
 use super::tensor::{
     Mat, add, add_scaled, contract, mul, scale, symmetric, trace, transpose_mul, unit,
 };
 use super::{Elastic, Lame};
-use crate::math::Scalar;
+use crate::math::Number;
 
 /// W = μ‖E‖² + λ/2·tr²E of the Green strain E = ½(FᵀF − I). Exact under turns and stiffening in tension, but in uniaxial
 /// compression it weakens below a stretch of 1/√3 and has no stress left at zero length; an inverted element is at
@@ -13,7 +14,7 @@ use crate::math::Scalar;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StVenantKirchhoff<S>(pub Lame<S>);
 
-impl<S: Scalar> StVenantKirchhoff<S> {
+impl<S: Number> StVenantKirchhoff<S> {
     /// The second Piola–Kirchhoff stress of a Green strain \[Pa\].
     #[inline(always)]
     fn second(&self, e: &Mat<S>) -> Mat<S> {
@@ -22,7 +23,7 @@ impl<S: Scalar> StVenantKirchhoff<S> {
     }
 }
 
-impl<S: Scalar> Elastic<S> for StVenantKirchhoff<S> {
+impl<S: Number> Elastic<S> for StVenantKirchhoff<S> {
     #[inline(always)]
     fn energy(&self, f: &Mat<S>) -> S {
         let e = green_strain(f);
@@ -42,5 +43,15 @@ impl<S: Scalar> Elastic<S> for StVenantKirchhoff<S> {
             &mul(d, &self.second(&green_strain(f))),
             &mul(f, &self.second(&change)),
         )
+    }
+
+    #[inline(always)]
+    fn majorant(&self, f: &Mat<S>) -> Majorant<S> {
+        // S:DᵀD + 2μ‖sym FᵀD‖² + λ(F:D)².
+        let pull = row_norm(&self.second(&green_strain(f)));
+        Majorant {
+            iso: pull + S::of(2.0) * self.0.mu * largest_square(f),
+            along: scale(f, self.0.lambda.max(S::ZERO).sqrt()),
+        }
     }
 }

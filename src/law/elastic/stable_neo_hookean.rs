@@ -1,8 +1,9 @@
 //! The neo-Hookean solid of Smith, de Goes & Kim, *Stable Neo-Hookean Flesh Simulation* (ACM TOG 37, 2018).
 
+use super::majorant::{Majorant, of_volume};
 use super::tensor::{Mat, add_scaled, cofactor, cofactor_differential, contract, det, scale};
 use super::{Elastic, Lame};
-use crate::math::Scalar;
+use crate::math::Number;
 
 /// W = m/2(I₁ − 3) + l/2(J − α)² − m/2·ln(I₁ + 1) less its value at rest, with m = 4μ/3, l = λ + 5μ/6 and
 /// α = 1 + 3m/(4l) (their equations 13 to 16): stable at rest, finite for every F.
@@ -18,7 +19,7 @@ pub struct StableNeoHookean<S> {
     at_rest: S,
 }
 
-impl<S: Scalar> StableNeoHookean<S> {
+impl<S: Number> StableNeoHookean<S> {
     /// With the Lamé constants of the linear solid it is at small strains.
     pub fn new(lame: Lame<S>) -> Self {
         let shear = S::of(4.0 / 3.0) * lame.mu;
@@ -34,7 +35,7 @@ impl<S: Scalar> StableNeoHookean<S> {
     }
 }
 
-impl<S: Scalar> Elastic<S> for StableNeoHookean<S> {
+impl<S: Number> Elastic<S> for StableNeoHookean<S> {
     #[inline(always)]
     fn energy(&self, f: &Mat<S>) -> S {
         let half = S::of(0.5);
@@ -62,5 +63,18 @@ impl<S: Scalar> Elastic<S> for StableNeoHookean<S> {
         let sum = add_scaled(&shear, bend, f);
         let sum = add_scaled(&sum, self.volume * contract(&c, d), &c);
         add_scaled(&sum, self.volume * over, &cofactor_differential(f, d))
+    }
+
+    #[inline(always)]
+    fn majorant(&self, f: &Mat<S>) -> Majorant<S> {
+        let c = cofactor(f);
+        let j = det(f);
+        let over = j - S::ONE - self.shift;
+        let square = contract(f, f);
+        let inverse = S::ONE / (square + S::ONE);
+        // (F:D)² ≤ ‖F‖²‖D‖².
+        let bend = S::of(2.0) * inverse * inverse * square;
+        let iso = self.shear * (S::ONE - inverse + bend);
+        of_volume(f, &c, j, [iso, self.volume * over, self.volume])
     }
 }

@@ -3,106 +3,130 @@
 //! Rapier's matrices have one scalar each; the laws have two. Plain arrays also leave a vector kernel free to put lanes in
 //! the place of the scalar.
 
-use crate::math::Scalar;
+use crate::math::Number;
 
 /// A 3×3 matrix, row by row: `m[i][j]` is row i, column j.
 pub type Mat<S> = [[S; 3]; 3];
 
+/// The matrix of an expression of row and column. A macro, because closures would be called and not inlined in the long
+/// functions that laws become.
+macro_rules! matrix {
+    ($i:ident, $j:ident => $value:expr) => {{
+        let mut m = [[S::ZERO; 3]; 3];
+        let mut $i = 0;
+        while $i < 3 {
+            let mut $j = 0;
+            while $j < 3 {
+                m[$i][$j] = $value;
+                $j += 1;
+            }
+            $i += 1;
+        }
+        m
+    }};
+}
+pub(crate) use matrix;
+
 /// The matrix with `entry(i, j)` in row i, column j.
 #[inline(always)]
-pub fn from_fn<S: Scalar>(mut entry: impl FnMut(usize, usize) -> S) -> Mat<S> {
+pub fn from_fn<S: Number>(mut entry: impl FnMut(usize, usize) -> S) -> Mat<S> {
     std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
 }
 
 /// The matrix of zeros.
 #[inline(always)]
-pub fn zero<S: Scalar>() -> Mat<S> {
+pub fn zero<S: Number>() -> Mat<S> {
     [[S::ZERO; 3]; 3]
 }
 
 /// The unit matrix.
 #[inline(always)]
-pub fn unit<S: Scalar>() -> Mat<S> {
-    from_fn(|i, j| if i == j { S::ONE } else { S::ZERO })
+pub fn unit<S: Number>() -> Mat<S> {
+    matrix!(i, j => if i == j { S::ONE } else { S::ZERO })
 }
 
 /// a + b.
 #[inline(always)]
-pub fn add<S: Scalar>(a: &Mat<S>, b: &Mat<S>) -> Mat<S> {
-    from_fn(|i, j| a[i][j] + b[i][j])
+pub fn add<S: Number>(a: &Mat<S>, b: &Mat<S>) -> Mat<S> {
+    matrix!(i, j => a[i][j] + b[i][j])
 }
 
 /// a − b.
 #[inline(always)]
-pub fn sub<S: Scalar>(a: &Mat<S>, b: &Mat<S>) -> Mat<S> {
-    from_fn(|i, j| a[i][j] - b[i][j])
+pub fn sub<S: Number>(a: &Mat<S>, b: &Mat<S>) -> Mat<S> {
+    matrix!(i, j => a[i][j] - b[i][j])
 }
 
 /// s·a.
 #[inline(always)]
-pub fn scale<S: Scalar>(a: &Mat<S>, s: S) -> Mat<S> {
-    from_fn(|i, j| a[i][j] * s)
+pub fn scale<S: Number>(a: &Mat<S>, s: S) -> Mat<S> {
+    matrix!(i, j => a[i][j] * s)
 }
 
 /// a + s·b.
 #[inline(always)]
-pub fn add_scaled<S: Scalar>(a: &Mat<S>, s: S, b: &Mat<S>) -> Mat<S> {
-    from_fn(|i, j| a[i][j] + s * b[i][j])
+pub fn add_scaled<S: Number>(a: &Mat<S>, s: S, b: &Mat<S>) -> Mat<S> {
+    matrix!(i, j => a[i][j] + s * b[i][j])
 }
 
 /// aᵀ.
 #[inline(always)]
-pub fn transpose<S: Scalar>(a: &Mat<S>) -> Mat<S> {
-    from_fn(|i, j| a[j][i])
+pub fn transpose<S: Number>(a: &Mat<S>) -> Mat<S> {
+    matrix!(i, j => a[j][i])
 }
 
 /// a·b.
 #[inline(always)]
-pub fn mul<S: Scalar>(a: &Mat<S>, b: &Mat<S>) -> Mat<S> {
-    from_fn(|i, j| a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j])
+pub fn mul<S: Number>(a: &Mat<S>, b: &Mat<S>) -> Mat<S> {
+    matrix!(i, j => a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j])
 }
 
 /// aᵀ·b.
 #[inline(always)]
-pub fn transpose_mul<S: Scalar>(a: &Mat<S>, b: &Mat<S>) -> Mat<S> {
-    from_fn(|i, j| a[0][i] * b[0][j] + a[1][i] * b[1][j] + a[2][i] * b[2][j])
+pub fn transpose_mul<S: Number>(a: &Mat<S>, b: &Mat<S>) -> Mat<S> {
+    matrix!(i, j => a[0][i] * b[0][j] + a[1][i] * b[1][j] + a[2][i] * b[2][j])
 }
 
 /// a·bᵀ.
 #[inline(always)]
-pub fn mul_transpose<S: Scalar>(a: &Mat<S>, b: &Mat<S>) -> Mat<S> {
-    from_fn(|i, j| a[i][0] * b[j][0] + a[i][1] * b[j][1] + a[i][2] * b[j][2])
+pub fn mul_transpose<S: Number>(a: &Mat<S>, b: &Mat<S>) -> Mat<S> {
+    matrix!(i, j => a[i][0] * b[j][0] + a[i][1] * b[j][1] + a[i][2] * b[j][2])
 }
 
 /// a·v.
 #[inline(always)]
-pub fn apply<S: Scalar>(a: &Mat<S>, v: [S; 3]) -> [S; 3] {
-    std::array::from_fn(|i| a[i][0] * v[0] + a[i][1] * v[1] + a[i][2] * v[2])
+pub fn apply<S: Number>(a: &Mat<S>, v: [S; 3]) -> [S; 3] {
+    [
+        a[0][0] * v[0] + a[0][1] * v[1] + a[0][2] * v[2],
+        a[1][0] * v[0] + a[1][1] * v[1] + a[1][2] * v[2],
+        a[2][0] * v[0] + a[2][1] * v[1] + a[2][2] * v[2],
+    ]
 }
 
 /// a:b, the sum of the products of the entries.
 #[inline(always)]
-pub fn contract<S: Scalar>(a: &Mat<S>, b: &Mat<S>) -> S {
-    let row = |i: usize| a[i][0] * b[i][0] + a[i][1] * b[i][1] + a[i][2] * b[i][2];
-    row(0) + row(1) + row(2)
+pub fn contract<S: Number>(a: &Mat<S>, b: &Mat<S>) -> S {
+    (a[0][0] * b[0][0] + a[0][1] * b[0][1] + a[0][2] * b[0][2])
+        + (a[1][0] * b[1][0] + a[1][1] * b[1][1] + a[1][2] * b[1][2])
+        + (a[2][0] * b[2][0] + a[2][1] * b[2][1] + a[2][2] * b[2][2])
 }
 
 /// The sum of the diagonal.
 #[inline(always)]
-pub fn trace<S: Scalar>(a: &Mat<S>) -> S {
+pub fn trace<S: Number>(a: &Mat<S>) -> S {
     a[0][0] + a[1][1] + a[2][2]
 }
 
 /// The symmetric part, ½(a + aᵀ).
 #[inline(always)]
-pub fn symmetric<S: Scalar>(a: &Mat<S>) -> Mat<S> {
-    from_fn(|i, j| S::of(0.5) * (a[i][j] + a[j][i]))
+pub fn symmetric<S: Number>(a: &Mat<S>) -> Mat<S> {
+    matrix!(i, j => S::of(0.5) * (a[i][j] + a[j][i]))
 }
 
 /// The cofactors, ∂(det a)/∂a = det(a)·a⁻ᵀ; defined for a singular matrix too.
 #[inline(always)]
-pub fn cofactor<S: Scalar>(a: &Mat<S>) -> Mat<S> {
-    from_fn(|i, j| {
+pub fn cofactor<S: Number>(a: &Mat<S>) -> Mat<S> {
+    matrix!(i, j => {
         let (i1, i2, j1, j2) = ((i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3);
         a[i1][j1] * a[i2][j2] - a[i1][j2] * a[i2][j1]
     })
@@ -110,8 +134,8 @@ pub fn cofactor<S: Scalar>(a: &Mat<S>) -> Mat<S> {
 
 /// The change of [`cofactor`]`(a)` along `d`.
 #[inline(always)]
-pub fn cofactor_differential<S: Scalar>(a: &Mat<S>, d: &Mat<S>) -> Mat<S> {
-    from_fn(|i, j| {
+pub fn cofactor_differential<S: Number>(a: &Mat<S>, d: &Mat<S>) -> Mat<S> {
+    matrix!(i, j => {
         let (i1, i2, j1, j2) = ((i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3);
         d[i1][j1] * a[i2][j2] + a[i1][j1] * d[i2][j2]
             - d[i1][j2] * a[i2][j1]
@@ -121,17 +145,17 @@ pub fn cofactor_differential<S: Scalar>(a: &Mat<S>, d: &Mat<S>) -> Mat<S> {
 
 /// The determinant.
 #[inline(always)]
-pub fn det<S: Scalar>(a: &Mat<S>) -> S {
+pub fn det<S: Number>(a: &Mat<S>) -> S {
     let c = cofactor(a);
     a[0][0] * c[0][0] + a[0][1] * c[0][1] + a[0][2] * c[0][2]
 }
 
 /// The inverse; not finite for a singular matrix.
 #[inline(always)]
-pub fn inverse<S: Scalar>(a: &Mat<S>) -> Mat<S> {
+pub fn inverse<S: Number>(a: &Mat<S>) -> Mat<S> {
     let c = cofactor(a);
     let d = S::ONE / (a[0][0] * c[0][0] + a[0][1] * c[0][1] + a[0][2] * c[0][2]);
-    from_fn(|i, j| c[j][i] * d)
+    matrix!(i, j => c[j][i] * d)
 }
 
 #[cfg(test)]

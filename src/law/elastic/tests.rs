@@ -66,6 +66,16 @@ fn check_law<L: Elastic<f64>>(name: &str, law: L) {
                 );
             }
         }
+        let bound = law.majorant(&f);
+        for k in 0..200 {
+            let d = from_fn(|i, j| (f64::from(k * 9 + 1) * (3 * i + j + 1) as f64 * 0.7).sin());
+            let exact = contract(&law.differential(&f, &d), &d);
+            let most = majorant::value(&bound, &d);
+            assert!(
+                exact <= most * (1.0 + 1e-9),
+                "{name}: {exact} > {most} at {f:?}"
+            );
+        }
         // Objectivity: W(QF) = W(F), P(QF) = Q·P(F); isotropy: W(FQ) = W(F).
         let size = contract(&p, &p).sqrt() + LAME.0;
         assert!(
@@ -179,4 +189,30 @@ fn damping_is_zero_in_rigid_motion_and_never_gives_energy() {
     let law = Corotational(Lame::new(1.0e6, -0.4));
     let expected = scale(&law.differential(&unit(), &rate), 1e-3);
     assert!(off(&viscous.stress(&unit(), &rate), &expected) < 1e-9);
+}
+
+/// At rest, however turned, the bound is met by a change of volume: 2μ + 3λ per ‖D‖².
+#[test]
+fn bounds_are_exact_at_rest() {
+    let lame = Lame::new(1.0e6, 0.3);
+    let q = turn();
+    let most = |m: Majorant<f64>| majorant::value(&m, &q) / 3.0;
+    let expected = 2.0 * lame.mu + 3.0 * lame.lambda;
+    for (found, name) in [
+        (most(Corotational(lame).majorant(&q)), "corotational"),
+        (most(NeoHookean(lame).majorant(&q)), "neo-Hookean"),
+        (
+            most(StableNeoHookean::new(lame).majorant(&q)),
+            "stable neo-Hookean",
+        ),
+        (
+            most(StVenantKirchhoff(lame).majorant(&q)),
+            "St. Venant-Kirchhoff",
+        ),
+    ] {
+        assert!(
+            (found / expected - 1.0).abs() < 1e-9,
+            "{name}: {found} {expected}"
+        );
+    }
 }

@@ -6,8 +6,9 @@
 //! in rigid motion of any size, and never gives energy.
 
 use super::Lame;
+use super::majorant::{Majorant, largest_square};
 use super::tensor::{Mat, add_scaled, mul, scale, symmetric, trace, transpose_mul, unit};
-use crate::math::Scalar;
+use crate::math::Number;
 
 /// P = F·(2μ_v·Ė + λ_v·tr Ė·I), Ė = sym(FᵀḞ).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -16,7 +17,7 @@ pub struct Viscous<S>(
     pub Lame<S>,
 );
 
-impl<S: Scalar> Viscous<S> {
+impl<S: Number> Viscous<S> {
     /// β \[s\] times an elastic stiffness.
     pub fn proportional(beta: f64, elastic: Lame<f64>) -> Self {
         Self(Lame {
@@ -31,5 +32,14 @@ impl<S: Scalar> Viscous<S> {
         let e = symmetric(&transpose_mul(f, rate));
         let shear = scale(&e, S::of(2.0) * self.0.mu);
         mul(f, &add_scaled(&shear, self.0.lambda * trace(&e), &unit()))
+    }
+
+    /// A bound of the stress per rate at F \[Pa·s\].
+    #[inline(always)]
+    pub fn majorant(&self, f: &Mat<S>) -> Majorant<S> {
+        Majorant {
+            iso: S::of(2.0) * self.0.mu * largest_square(f),
+            along: scale(f, self.0.lambda.max(S::ZERO).sqrt()),
+        }
     }
 }

@@ -2,8 +2,8 @@
 //!
 //! Gradients are taken at rest, once: F = Σ x⊗∇N, P(F), f = −Σ w·P·∇N at each integration point. Nothing is
 //! rebuilt as the body moves, large turns cost nothing, and what an element needs (nodes, inverse Jacobian, weight) lies
-//! in one flat array read front to back. The loop is compiled once per kind of element and law; no element looks
-//! at its own kind. Forces on nodes sum exactly to zero but for rounding, because the gradients of the shape functions do.
+//! in one flat array read front to back, four elements side by side. The loop is compiled once per kind of element and law;
+//! no element looks at its own kind. Forces on nodes sum exactly to zero but for rounding, because the gradients of the shape functions do.
 //!
 //! **The element to prefer is the quadratic tet**, ten nodes and four points. Linear tets bend by a jagged constant
 //! strain: 30 % of the deflection of a beam two cells thick, and near incompressibility they lock. The quadratic tet
@@ -17,18 +17,24 @@
 //! stress of a linear field is still exact, but its forces are out of balance by about (sagitta/length)² of the
 //! stress. Edges inside a body should be straight.
 
+mod blocks;
+mod bound;
+mod eigen;
 mod elements;
 mod mass;
 mod model;
+mod part;
 mod pass;
-mod stable;
+mod stiffness;
 mod stress;
 
+pub use blocks::{Block, Blocks};
+pub use bound::{Moments, Rates};
 pub use elements::{Basis, Elements, Linear, Quadratic};
 pub use mass::lumped_volumes;
 pub use model::Model;
-pub use pass::{add_damping, add_elastic, energy};
-pub use stable::{Rates, damping_rates, elastic_rates};
+pub use part::Part;
+pub use pass::energy;
 pub use stress::{Stress, stresses};
 
 #[cfg(test)]

@@ -2,25 +2,27 @@
 //!
 //! Which kind of element and which law a body has is asked once per pass, not once per element.
 
+use super::blocks::Blocks;
+use super::bound::{Moments, Rates};
 use super::elements::{Elements, Linear, Quadratic};
-use super::stable::{Rates, element_matrix};
+use super::stiffness::element_matrix;
 use super::stress::Stress;
-use super::{mass, pass, stable, stress};
+use super::{mass, pass, stress};
 use crate::body::{BuildError, Solid, SolidLaw, TetMesh, Tets};
+use crate::law::elastic::tensor::unit;
 use crate::law::elastic::{
     Corotational, Elastic, Lame, NeoHookean, StVenantKirchhoff, StableNeoHookean, Viscous,
 };
-use crate::math::Scalar;
-use crate::solve::Integrator;
-use crate::solve::stable::StableStep;
+use crate::math::{Number, Pack, Scalar};
+use crate::solve::forces::{Lanes, three};
 
 #[derive(Clone, Debug)]
 enum Kind<S> {
-    Linear(Elements<S, Linear, 4, 1>),
-    Quadratic(Elements<S, Quadratic, 10, 4>),
+    Linear(Elements<Linear, 4, 1>, Blocks<S, Linear, 4, 1>),
+    Quadratic(Elements<Quadratic, 10, 4>, Blocks<S, Quadratic, 10, 4>),
 }
 
-/// Elements and constants of a solid.
+/// Elements and constants of a solid: for forces in blocks of the scalar `S`, for all else one by one in `f64`.
 #[derive(Clone, Debug)]
 pub struct Model<S> {
     kind: Kind<S>,
@@ -28,12 +30,12 @@ pub struct Model<S> {
     lame: Lame<f64>,
 }
 
-/// Runs an expression with `$elements` of the model's kind.
+/// Runs an expression with `$elements` and `$blocks` of the model's kind.
 macro_rules! by_kind {
-    ($model:expr, $elements:ident => $body:expr) => {
+    ($model:expr, ($elements:pat, $blocks:pat) => $body:expr) => {
         match &$model.kind {
-            Kind::Linear($elements) => $body,
-            Kind::Quadratic($elements) => $body,
+            Kind::Linear($elements, $blocks) => $body,
+            Kind::Quadratic($elements, $blocks) => $body,
         }
     };
 }
@@ -42,8 +44,8 @@ macro_rules! by_kind {
 macro_rules! by_law {
     ($model:expr, $s:ty, $law:ident => $body:expr) => {{
         let lame = Lame {
-            lambda: <$s as Scalar>::of($model.lame.lambda),
-            mu: <$s as Scalar>::of($model.lame.mu),
+            lambda: <$s as Number>::of($model.lame.lambda),
+            mu: <$s as Number>::of($model.lame.mu),
         };
         match $model.solid.law {
             SolidLaw::Corotational => {
@@ -74,8 +76,16 @@ impl<S: Scalar> Model<S> {
     pub fn new(mesh: &TetMesh, solid: Solid) -> Result<Self, BuildError> {
         let lame = solid.lame()?;
         let kind = match &mesh.tets {
-            Tets::Linear(_) => Kind::Linear(Elements::new(mesh)?),
-            Tets::Quadratic(_) => Kind::Quadratic(Elements::new(mesh)?),
+            Tets::Linear(_) => {
+                let elements = Elements::new(mesh)?;
+                let blocks = Blocks::new(&elements);
+                Kind::Linear(elements, blocks)
+            }
+            Tets::Quadratic(_) => {
+                let elements = Elements::new(mesh)?;
+                let blocks = Blocks::new(&elements);
+                Kind::Quadratic(elements, blocks)
+            }
         };
         Ok(Self { kind, solid, lame })
     }
@@ -87,96 +97,107 @@ impl<S: Scalar> Model<S> {
 
     /// How many nodes the mesh has.
     pub fn node_count(&self) -> usize {
-        by_kind!(self, e => e.node_count())
+        by_kind!(self, (e, _) => e.node_count())
     }
 
     /// How many elements.
     pub fn element_count(&self) -> usize {
-        by_kind!(self, e => e.list().len())
+        by_kind!(self, (e, _) => e.list().len())
     }
 
     /// Lumped mass of each node \[kg\]; 0 for one no element has.
     pub fn masses(&self) -> Vec<f64> {
-        let mut masses = by_kind!(self, e => mass::lumped_volumes(e));
+        let mut masses = by_kind!(self, (e, _) => mass::lumped_volumes(e));
         masses.iter_mut().for_each(|m| *m *= self.solid.density);
         masses
     }
 
-    /// Gives every node the elastic force of its elements \[N\].
-    pub fn add_elastic(&self, position: impl Fn(usize) -> [S; 3], add: impl FnMut(usize, [S; 3])) {
-        by_kind!(self, e => by_law!(self, S, law => pass::add_elastic(e, &law, position, add)));
+    /// Whether it has damping of either kind.
+    pub fn is_damped(&self) -> bool {
+        self.solid.mass_damping > 0.0 || self.solid.stiffness_damping > 0.0
     }
 
-    /// Gives every node the stiffness-proportional damping force of its elements \[N\]. The mass-proportional one, −α·m·v, needs
-    /// no elements.
-    pub fn add_damping(
+    /// Gives every node the elastic force of its elements \[N\].
+    pub fn add_elastic(
+        &self,
+        position: impl Fn(usize) -> [S; 3],
+        mut add: impl FnMut(usize, [S; 3]),
+    ) {
+        self.add_elastic_lanes(position, |n, f| add(n, three(f)));
+    }
+
+    /// The same in four lanes.
+    #[inline]
+    pub(crate) fn add_elastic_lanes(
+        &self,
+        position: impl Fn(usize) -> [S; 3],
+        add: impl FnMut(usize, Lanes<S>),
+    ) {
+        by_kind!(self, (_, b) => by_law!(self, Pack<S>, law => pass::add_elastic(b, &law, position, add)));
+    }
+
+    /// Gives every node the elastic force of its elements and the stiffness-proportional damping force \[N\], in four lanes. The
+    /// mass-proportional one, −α·m·v, needs no elements.
+    #[inline]
+    pub(crate) fn add_damped_lanes(
         &self,
         position: impl Fn(usize) -> [S; 3],
         velocity: impl Fn(usize) -> [S; 3],
-        add: impl FnMut(usize, [S; 3]),
+        add: impl FnMut(usize, Lanes<S>, Lanes<S>),
     ) {
-        if self.solid.stiffness_damping > 0.0 {
-            let law = Viscous::proportional(self.solid.stiffness_damping, self.lame);
-            by_kind!(self, e => pass::add_damping(e, &law, position, velocity, add));
-        }
+        let viscous = Viscous::proportional(self.solid.stiffness_damping, self.lame);
+        by_kind!(self, (_, b) => by_law!(self, Pack<S>, law => {
+            pass::add_damped(b, (&law, &viscous), position, velocity, add);
+        }));
     }
 
     /// The elastic energy \[J\].
-    pub fn energy(&self, position: impl Fn(usize) -> [S; 3]) -> f64 {
-        by_kind!(self, e => by_law!(self, S, law => pass::energy(e, &law, position)))
+    pub fn energy(&self, position: impl Fn(usize) -> [f64; 3]) -> f64 {
+        by_kind!(self, (e, _) => by_law!(self, f64, law => pass::energy(e, &law, position)))
+    }
+
+    /// Stress and strain of an element; `None` for an unknown one.
+    pub fn stress(&self, element: usize, position: impl Fn(usize) -> [f64; 3]) -> Option<Stress> {
+        match &self.kind {
+            Kind::Linear(e, _) => {
+                let element = e.list().get(element)?;
+                Some(
+                    by_law!(self, f64, law => stress::of::<Linear, _, 4, 1>(element, &law, position)),
+                )
+            }
+            Kind::Quadratic(e, _) => {
+                let element = e.list().get(element)?;
+                Some(
+                    by_law!(self, f64, law => stress::of::<Quadratic, _, 10, 4>(element, &law, position)),
+                )
+            }
+        }
     }
 
     /// Stress and strain of every element, in order.
-    pub fn stresses(&self, position: impl Fn(usize) -> [S; 3]) -> Vec<Stress<S>> {
-        by_kind!(self, e => by_law!(self, S, law => stress::stresses(e, &law, position).collect()))
+    pub fn stresses(&self, position: impl Fn(usize) -> [f64; 3]) -> Vec<Stress> {
+        by_kind!(self, (e, _) => by_law!(self, f64, law => stress::stresses(e, &law, position).collect()))
     }
 
-    /// Bounds of λ(M⁻¹K) and of λ(M⁻¹C), damping by mass included, at positions \[m\] with 1/m of each node \[1/kg\], 0 when
-    /// pinned.
-    pub fn rates(
-        &self,
-        position: impl Fn(usize) -> [f64; 3],
-        inv_mass: impl Fn(usize) -> f64,
-    ) -> [Rates; 2] {
-        let elastic = by_kind!(self, e => by_law!(self, f64, law => {
-            stable::elastic_rates(e, &law, &position, &inv_mass)
+    /// What [`Self::rates`] needs to know of the masses: 1/m of each node \[1/kg\].
+    pub fn moments(&self, inv_mass: impl Fn(usize) -> f64) -> Moments<S> {
+        let rest = by_law!(self, f64, law => law.majorant(&unit()));
+        by_kind!(self, (e, _) => Moments::new(e, &rest, inv_mass))
+    }
+
+    /// Bounds of λ(M⁻¹K) and of λ(M⁻¹C), damping by mass included, at positions \[m\].
+    pub fn rates(&self, moments: &Moments<S>, position: impl Fn(usize) -> [S; 3]) -> [Rates; 2] {
+        let elastic = by_kind!(self, (_, b) => by_law!(self, Pack<S>, law => {
+            moments.rates(b, |f| law.majorant(f), &position)
         }));
         let beta = self.solid.stiffness_damping;
         let mut damping = Rates::default();
         if beta > 0.0 {
-            let law = Viscous::proportional(beta, self.lame);
-            damping = by_kind!(self, e => stable::damping_rates(e, &law, &position, &inv_mass));
+            let law = Viscous::<Pack<S>>::proportional(beta, self.lame);
+            damping = by_kind!(self, (_, b) => moments.rates(b, |f| law.majorant(f), &position));
         }
         damping.largest += self.solid.mass_damping;
         [elastic, damping]
-    }
-
-    /// The longest stable substep of a scheme at positions \[m\] with 1/m of each node \[1/kg\], 0 when pinned. Its `spring` is
-    /// the worst element.
-    pub fn stable_step(
-        &self,
-        integrator: Integrator,
-        position: impl Fn(usize) -> [f64; 3],
-        inv_mass: impl Fn(usize) -> f64,
-    ) -> StableStep {
-        let [elastic, damping] = self.rates(position, inv_mass);
-        let Solid {
-            mass_damping: alpha,
-            stiffness_damping: beta,
-            ..
-        } = self.solid;
-        // The least c/k of any mode, α/λ + β.
-        let relaxation = if elastic.largest > 0.0 {
-            alpha / elastic.largest + beta
-        } else {
-            f64::INFINITY
-        };
-        let h = integrator.stable_step(elastic.largest, damping.largest, relaxation);
-        StableStep {
-            h: if h.is_nan() { 0.0 } else { h },
-            spring: elastic.element,
-            never: h.is_nan() || h <= 0.0,
-        }
     }
 
     /// Calls `add` with the nodes and the stiffness of every element at positions \[m\]: row by row, 3N×3N \[N/m\].
@@ -187,17 +208,17 @@ impl<S: Scalar> Model<S> {
     ) {
         let mut matrix = Vec::new();
         match &self.kind {
-            Kind::Linear(e) => by_law!(self, f64, law => {
+            Kind::Linear(e, _) => by_law!(self, f64, law => {
                 matrix.resize(144, 0.0);
                 for element in e.list() {
-                    element_matrix::<S, Linear, 4, 1>(element, |f, d| law.differential(f, d), &position, &mut matrix);
+                    element_matrix::<Linear, 4, 1>(element, |f, d| law.differential(f, d), &position, &mut matrix);
                     add(&element.nodes, &matrix);
                 }
             }),
-            Kind::Quadratic(e) => by_law!(self, f64, law => {
+            Kind::Quadratic(e, _) => by_law!(self, f64, law => {
                 matrix.resize(900, 0.0);
                 for element in e.list() {
-                    element_matrix::<S, Quadratic, 10, 4>(element, |f, d| law.differential(f, d), &position, &mut matrix);
+                    element_matrix::<Quadratic, 10, 4>(element, |f, d| law.differential(f, d), &position, &mut matrix);
                     add(&element.nodes, &matrix);
                 }
             }),

@@ -1,109 +1,85 @@
 //! The passes over elements: forces, damping, energy.
 //!
 //! Positions, velocities and forces are reached through functions of a node, so that the same loop reads a state of
-//! particles, a vector of unknowns or a test's array, and is inlined into each.
+//! particles, a vector of unknowns or a test's array, and is inlined into each. Forces come in four lanes, the last of them
+//! zero: added as one vector they cost half as much as one by one.
 
-use super::elements::{Basis, Elements, jacobian};
-use crate::law::elastic::tensor::{Mat, mul, mul_transpose, scale};
+use super::blocks::Blocks;
+use super::elements::{Basis, Elements};
+use crate::law::elastic::tensor::{mul, mul_transpose, scale, zero};
 use crate::law::elastic::{Elastic, Viscous};
-use crate::math::Scalar;
+use crate::math::{Number, Pack, Scalar};
+use crate::solve::forces::Lanes;
 
 /// Gives every node the elastic force of its elements \[N\]; `position` \[m\] and `add` are called with node indices.
 #[inline]
-pub fn add_elastic<S, B, L, const N: usize, const G: usize>(
-    elements: &Elements<S, B, N, G>,
+pub(crate) fn add_elastic<S, B, L, const N: usize, const G: usize>(
+    blocks: &Blocks<S, B, N, G>,
     law: &L,
     position: impl Fn(usize) -> [S; 3],
-    mut add: impl FnMut(usize, [S; 3]),
+    mut add: impl FnMut(usize, Lanes<S>),
 ) where
     S: Scalar,
     B: Basis<N, G>,
-    L: Elastic<S>,
+    L: Elastic<Pack<S>>,
 {
-    for element in &elements.list {
-        let x = element.gather(&position);
-        let mut forces = [[S::ZERO; 3]; N];
-        for (g, point) in element.points.iter().enumerate() {
-            let f = mul(&jacobian::<S, B, N, G>(&x, g), &point.inverse);
-            collect::<S, B, N, G>(
-                &mut forces,
-                &law.stress(&f),
-                &point.inverse,
-                point.volume,
-                g,
-            );
+    for block in &blocks.list {
+        let x = B::gradients(&block.gather(&position));
+        let mut forces = [zero(); G];
+        for (g, point) in block.points.iter().enumerate() {
+            let stress = law.stress(&mul(&x[g], &point.inverse));
+            forces[g] = scale(&mul_transpose(&stress, &point.inverse), point.volume);
         }
-        for (node, force) in element.nodes.iter().zip(forces) {
-            add(*node as usize, force);
-        }
+        let none = [[Pack::ZERO; 3]; N];
+        block.scatter(&B::collect(&forces), &none, &mut |n, f, _| add(n, f));
     }
 }
 
-/// Gives every node the damping force of its elements \[N\]. Apart from [`add_elastic`] because an energy ledger wants its
-/// work by itself, and because most bodies have none.
+/// Gives every node the elastic and the damping force of its elements \[N\]; `add` is called with both, which are kept apart
+/// because an energy ledger wants the work of damping by itself.
 #[inline]
-pub fn add_damping<S, B, const N: usize, const G: usize>(
-    elements: &Elements<S, B, N, G>,
-    law: &Viscous<S>,
+pub(crate) fn add_damped<S, B, L, const N: usize, const G: usize>(
+    blocks: &Blocks<S, B, N, G>,
+    (law, viscous): (&L, &Viscous<Pack<S>>),
     position: impl Fn(usize) -> [S; 3],
     velocity: impl Fn(usize) -> [S; 3],
-    mut add: impl FnMut(usize, [S; 3]),
+    mut add: impl FnMut(usize, Lanes<S>, Lanes<S>),
 ) where
     S: Scalar,
     B: Basis<N, G>,
+    L: Elastic<Pack<S>>,
 {
-    for element in &elements.list {
-        let (x, v) = (element.gather(&position), element.gather(&velocity));
-        let mut forces = [[S::ZERO; 3]; N];
-        for (g, point) in element.points.iter().enumerate() {
-            let f = mul(&jacobian::<S, B, N, G>(&x, g), &point.inverse);
-            let rate = mul(&jacobian::<S, B, N, G>(&v, g), &point.inverse);
-            let stress = law.stress(&f, &rate);
-            collect::<S, B, N, G>(&mut forces, &stress, &point.inverse, point.volume, g);
+    for block in &blocks.list {
+        let x = B::gradients(&block.gather(&position));
+        let v = B::gradients(&block.gather(&velocity));
+        let mut elastic = [zero(); G];
+        let mut damping = [zero(); G];
+        for (g, point) in block.points.iter().enumerate() {
+            let f = mul(&x[g], &point.inverse);
+            let rate = mul(&v[g], &point.inverse);
+            let (stress, resistance) = (law.stress(&f), viscous.stress(&f, &rate));
+            elastic[g] = scale(&mul_transpose(&stress, &point.inverse), point.volume);
+            damping[g] = scale(&mul_transpose(&resistance, &point.inverse), point.volume);
         }
-        for (node, force) in element.nodes.iter().zip(forces) {
-            add(*node as usize, force);
-        }
-    }
-}
-
-/// f −= V·P·∇N of every node of an element.
-#[inline(always)]
-fn collect<S: Scalar, B: Basis<N, G>, const N: usize, const G: usize>(
-    forces: &mut [[S; 3]; N],
-    stress: &Mat<S>,
-    inverse: &Mat<S>,
-    volume: S,
-    g: usize,
-) {
-    let h = scale(&mul_transpose(stress, inverse), volume);
-    for (force, gradient) in forces.iter_mut().zip(&B::GRADIENTS[g]) {
-        let d = gradient.map(S::of);
-        for (f, row) in force.iter_mut().zip(&h) {
-            *f -= row[0] * d[0] + row[1] * d[1] + row[2] * d[2];
-        }
+        block.scatter(&B::collect(&elastic), &B::collect(&damping), &mut add);
     }
 }
 
 /// The elastic energy \[J\].
-#[inline]
-pub fn energy<S, B, L, const N: usize, const G: usize>(
-    elements: &Elements<S, B, N, G>,
+pub fn energy<B, L, const N: usize, const G: usize>(
+    elements: &Elements<B, N, G>,
     law: &L,
-    position: impl Fn(usize) -> [S; 3],
+    position: impl Fn(usize) -> [f64; 3],
 ) -> f64
 where
-    S: Scalar,
     B: Basis<N, G>,
-    L: Elastic<S>,
+    L: Elastic<f64>,
 {
-    let mut sum = 0.0;
-    for element in &elements.list {
-        let x = element.gather(&position);
-        for (g, point) in element.points.iter().enumerate() {
-            let f = mul(&jacobian::<S, B, N, G>(&x, g), &point.inverse);
-            sum += (law.energy(&f) * point.volume).f64();
-        }
-    }
-    sum
+    let of = |element: &super::elements::Element<N, G>| -> f64 {
+        let x = B::gradients(&element.gather(&position));
+        let each = element.points.iter().zip(&x);
+        each.map(|(p, x)| law.energy(&mul(x, &p.inverse)) * p.volume)
+            .sum()
+    };
+    elements.list.iter().map(of).sum()
 }

@@ -17,7 +17,7 @@ pub(super) fn predict<S: Scalar>(
 ) {
     let half = S::of(0.5) * h;
     solver.save_start(state);
-    let damped = solver.table.damped || solver.external.drag > S::ZERO || field.is_some();
+    let damped = solver.is_damped() || field.is_some();
     solver.evaluate(state, field, Some(h));
     half_kick(solver, state, half);
     if damped {

@@ -1,9 +1,9 @@
 //! Springs as a structure.
 
 use super::Structure;
-use crate::body::{Blueprint, Net, Spring};
+use crate::body::{Blueprint, Net, Spring, State};
 use crate::law::spring;
-use crate::math::{DMat3, DVec3};
+use crate::math::{DMat3, DVec3, Real};
 
 /// The elastic part of a body of springs: what yields, breaks or damps is not seen.
 #[derive(Clone, Debug)]
@@ -24,6 +24,19 @@ impl SpringNet {
             nodes: blueprint.nodes.len(),
             springs: blueprint.springs.iter().map(each).collect(),
         }
+    }
+
+    /// The same at the rest lengths to which they have flowed, without those that broke.
+    pub fn of_state(blueprint: &Blueprint, state: &State<Real>) -> Self {
+        let mut net = Self::new(blueprint);
+        let now = state.rest.iter().zip(&state.broken);
+        for ((_, stiffness, rest), (length, broken)) in net.springs.iter_mut().zip(now) {
+            *rest = (*length).into();
+            if *broken {
+                *stiffness = 0.0;
+            }
+        }
+        net
     }
 
     /// The springs of a net whose sections stand for a Young's modulus \[Pa\]; those without a section keep their stiffness.

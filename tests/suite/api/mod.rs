@@ -14,6 +14,7 @@ mod queries;
 mod rigid;
 mod settings;
 mod sleep;
+mod solids;
 mod state;
 mod time;
 mod units;

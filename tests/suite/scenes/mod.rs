@@ -1,13 +1,16 @@
 //! The scenes of the catalog, held against the figures they are there for, and the command line that runs them.
 
+mod cantilever;
 mod cli;
 mod cradle;
 mod drop;
+mod gripper;
 mod ledger;
 mod pile;
 mod pole;
 mod random;
 mod recorder;
+mod rubber_drop;
 mod slalom;
 mod terrain;
 mod thin_plate;

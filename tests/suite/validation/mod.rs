@@ -11,3 +11,6 @@ mod lattice;
 mod ledger;
 mod momentum;
 mod slope;
+mod solid_impact;
+mod solid_motion;
+mod solids;

@@ -38,7 +38,12 @@ struct Outcome {
 }
 
 /// A spinning block and a spinning rigid body meet off centre.
-fn collide(collider: ColliderBuilder, mass: f32, dt: f32, spin: f32, by: Loop) -> Outcome {
+fn collide(
+    block: DeformableBuilder,
+    collider: ColliderBuilder,
+    (mass, dt, spin): (f32, f32, f32),
+    by: Loop,
+) -> Outcome {
     let mut world = weightless(dt);
     let (rigid, _) = world.insert(
         RigidBodyBuilder::dynamic()
@@ -51,8 +56,7 @@ fn collide(collider: ColliderBuilder, mass: f32, dt: f32, spin: f32, by: Loop) -
     let mut deformables = DeformableWorld::default();
     let block = deformables
         .insert(
-            DeformableBuilder::new(shape::lattice(Vector::splat(0.4), 0.1))
-                .material(Material::elastic(2.0e5, 200.0).viscosity(200.0))
+            block
                 .friction(0.4)
                 .linvel(Vector::new(1.0, 0.0, 0.0))
                 .angvel(spin * Vector::new(0.3, 1.0, -0.7)),
@@ -90,14 +94,28 @@ fn collide(collider: ColliderBuilder, mass: f32, dt: f32, spin: f32, by: Loop) -
     }
 }
 
+fn springs() -> DeformableBuilder {
+    DeformableBuilder::new(shape::lattice(Vector::splat(0.4), 0.1))
+        .material(Material::elastic(2.0e5, 200.0).viscosity(200.0))
+}
+
 fn collisions(by: Loop, masses: &[f32], shapes: &[(&str, ColliderBuilder)]) {
+    collisions_of(springs, by, masses, shapes);
+}
+
+fn collisions_of(
+    block: fn() -> DeformableBuilder,
+    by: Loop,
+    masses: &[f32],
+    shapes: &[(&str, ColliderBuilder)],
+) {
     let mut failures = String::new();
     for dt in [1.0 / 60.0, 1.0 / 240.0] {
         for &mass in masses {
             for spin in [0.0, 1.0, 5.0] {
                 for (name, collider) in shapes {
                     let Outcome { worst, exchanged } =
-                        collide(collider.clone(), mass, dt, spin, by);
+                        collide(block(), collider.clone(), (mass, dt, spin), by);
                     let case = format!("{name} of {mass} kg, dt = {dt}, spin {spin}");
                     assert!(exchanged > 0.01, "{case}: they must meet, {exchanged}");
                     if worst.0 > 1e-5 || worst.1 > 1e-5 {
@@ -136,6 +154,21 @@ fn all_shapes() -> [(&'static str, ColliderBuilder); 4] {
 #[test]
 fn v43_the_coupling_conserves_momentum() {
     collisions(Loop::ByHand, &[10.0, 200.0], &all_shapes());
+}
+
+/// V43: blocks of tets, of either kind.
+#[test]
+fn v43_tets() {
+    fn mesh() -> TetMesh {
+        shape::tet_box(Vector::splat(0.4), 0.1333, shape::TetSplit::Five).unwrap()
+    }
+    const SOLID: Solid = Solid::new(2.0e5, 0.3, 200.0).damping(0.0, 1e-3);
+    let linear: fn() -> _ = || DeformableBuilder::tets(mesh(), SOLID);
+    let quadratic: fn() -> _ =
+        || DeformableBuilder::tets(mesh().quadratic(), SOLID.law(SolidLaw::NeoHookean));
+    for block in [linear, quadratic] {
+        collisions_of(block, Loop::ByHand, &[10.0], &all_shapes());
+    }
 }
 
 /// V43: bodies much lighter than the deformable, which are thrown into a quick spin.
