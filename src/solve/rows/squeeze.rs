@@ -104,7 +104,7 @@ impl Pass<'_> {
             } else {
                 change / (left - v)
             };
-            if !(mass > 0.0) {
+            if mass.is_nan() || mass <= 0.0 {
                 break;
             }
             mass = mass.min(most);
@@ -138,7 +138,7 @@ impl Pass<'_> {
             } else {
                 change.length_squared() / (left - slip).dot(change)
             };
-            if !(mass > 0.0) {
+            if mass.is_nan() || mass <= 0.0 {
                 break;
             }
             (slip, mass) = (left, mass.min(most));
