@@ -67,7 +67,7 @@ fn scenes() {
             .map(|(_, b)| b.spring_count())
             .sum();
         let rate = |recorded| {
-            let runs = (0..RUNS).map(|_| whole(&scene, duration, recorded));
+            let runs = (0..RUNS).map(|_| whole(scene, duration, recorded));
             1e-6 / least(runs.map(|(spent, updates)| spent / updates))
         };
         let (whole, recorded) = (rate(false), rate(true));
