@@ -97,8 +97,13 @@ pub fn crossing(
     let normal = if side < 0.0 { -across } else { across };
     let gap = way.dot(normal);
     let shortest = a[0].distance(a[1]).min(b[0].distance(b[1]));
-    let possible =
-        gap > -DEEPEST * shortest && can_push(&other, normal) && can_push(flank, -normal);
+    // Edges that did not touch cannot have passed each other by more than the way of a substep.
+    let deepest = if last.is_some() {
+        DEEPEST * shortest
+    } else {
+        farthest.min(DEEPEST * shortest)
+    };
+    let possible = gap > -deepest && can_push(&other, normal) && can_push(flank, -normal);
     possible.then_some(Crossing {
         along: [s, t],
         normal,

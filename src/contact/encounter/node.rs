@@ -51,7 +51,7 @@ pub struct Query<'a> {
     pub known: &'a [Touch],
     /// −1 for nodes of the second body: touches keep normals from the second body to the first.
     pub sign: f64,
-    /// The outward normal of the node's own body there, or zero.
+    /// The outward normal of the node's own body there; zero if that has two sides or no face there.
     pub own_normal: &'a dyn Fn() -> DVec3,
     /// No row for what is farther off than this \[m\].
     pub farthest: f64,
@@ -109,7 +109,7 @@ impl Query<'_> {
     fn see_solid(&self, way: &Way) -> Option<Found> {
         let found = self.outside_of(way);
         let own = (self.own_normal)().normalize_or_zero();
-        if found.normal.dot(own) > FACING {
+        if own != DVec3::ZERO && found.normal.dot(own) > FACING {
             // The surfaces do not look at each other: a node under the very rim of a solid is nearest to its side, and
             // would be caught by it, or be let down beside it.
             let back = self.way_back(-own)?;

@@ -72,7 +72,14 @@ impl Encounter {
                 near: &list[start..at],
                 known: touches.of(node, &mut from),
                 sign: if own == 0 { 1.0 } else { -1.0 },
-                own_normal: &|| mine.node_normal(node),
+                own_normal: &|| {
+                    // What has two sides looks both ways.
+                    if mine.outline.closed {
+                        mine.node_normal(node)
+                    } else {
+                        DVec3::ZERO
+                    }
+                },
                 farthest: self.manners.distance + reach.farthest,
                 touching: reach.touching,
             };
