@@ -15,6 +15,7 @@ mod hooks;
 mod into;
 mod kinematic;
 mod meet;
+mod mend;
 mod motion;
 mod observer;
 mod params;
@@ -34,6 +35,7 @@ mod step;
 mod substep;
 mod ties;
 mod touch;
+mod work;
 
 pub use attach::AttachmentState;
 pub use attachment::{AttachError, AttachTo, Attachment};

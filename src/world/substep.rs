@@ -8,16 +8,13 @@ use super::observer::{
 use super::ties::Attached;
 use super::touch::PairSum;
 use super::{Deformable, DeformableHandle, meet};
-use crate::body::{NodeId, SpringId};
+use crate::body::SpringId;
 use crate::contact::candidates::Candidates;
 use crate::contact::encounter::Encounter;
 use crate::contact::site::{Reach, Side, Site};
-use crate::coupling::observe::Answer;
-use crate::law::row::{pull_back, push_out};
 use crate::math::DVec3;
-use crate::solve::rows::{RowNode, Rows, Term, Terms};
+use crate::solve::rows::{RowNode, Rows};
 use crate::solve::shadow::Shadow;
-use crate::solve::work::Work;
 
 /// Deformables that share substeps and rows, and the shadows of what they can touch.
 #[derive(Debug)]
@@ -33,11 +30,11 @@ pub(super) struct Group {
     pub waiting: Vec<Shadow>,
     pub touched: Vec<Touched>,
     pub attachments: Vec<Attached>,
-    pairs: Vec<PairImpulse>,
+    pub(super) pairs: Vec<PairImpulse>,
     /// What pairs add up over the substeps.
-    sums: Vec<PairSum>,
+    pub(super) sums: Vec<PairSum>,
     /// What nodes got in the substep under way, if that is wanted.
-    node_impulses: Option<Vec<NodeImpulse>>,
+    pub(super) node_impulses: Option<Vec<NodeImpulse>>,
     pub tied: Vec<AttachmentImpulse>,
     pub rows: Rows,
     /// Where free motion took the nodes of rows, in the frames of their bodies \[m\].
@@ -236,119 +233,6 @@ impl Group {
         }
     }
 
-    /// Mends depth, creep of what sticks, and errors of ties at position level, on the nodes alone, which gives nothing any
-    /// velocity. Ties are mended in full, and at a limited rate only while something moved from outside is on its way back. What that changes in stored energy is booked; the angular momentum that a moved node loses goes to the
-    /// body it is moved out of, if that is free.
-    fn push_out(&mut self, h: f64, s: &Settings) {
-        let Self {
-            rows,
-            members,
-            shadows,
-            touched,
-            attachments,
-            ..
-        } = self;
-        let mut mend = |terms: Terms, shadow: u32, by: DVec3| {
-            let lost = displace(members, &rows.nodes, rows.terms_of(terms), by);
-            if (shadow as usize)
-                .checked_sub(1)
-                .is_some_and(|i| touched[i].answer == Answer::Free)
-            {
-                let shadow = &mut shadows[shadow as usize];
-                shadow.w += shadow.inv_inertia * lost;
-                shadow.torque += lost;
-            }
-        };
-        for row in &rows.contacts {
-            let mut by = DVec3::ZERO;
-            if row.depth > 0.0 && row.softness == 0.0 {
-                by += row.normal * push_out(row.depth, h, s.push_out);
-            }
-            if row.drift != DVec3::ZERO && row.sticks() {
-                by -= row.drift * pull_back(h);
-            }
-            if by != DVec3::ZERO {
-                mend(row.terms, row.shadow, by);
-            }
-        }
-        for tie in rows.ties.iter().filter(|t| t.softness == 0.0) {
-            let length = tie.error.length();
-            if length > 0.0 {
-                let loose = attachments[tie.attachment as usize].bond.loose;
-                let most = if loose { s.push_out * h } else { length };
-                mend(tie.terms, tie.shadow, -towards(tie.error, length.min(most)));
-            }
-        }
-    }
-
-    /// Work of every row by the trapezoid rule over the displacements actually made. It is booked where the two sides meet:
-    /// at the collider's velocity, or half-way between the points of two deformables.
-    fn book_work(&mut self) {
-        for row in &self.rows.contacts {
-            let terms = self.rows.terms_of(row.terms);
-            let shadow = &self.shadows[row.shadow as usize];
-            let meeting = if row.between {
-                0.5 * mean_velocity(&self.members, &self.rows.nodes, terms, f64::abs)
-            } else {
-                0.5 * (shadow.velocity_before(row.arm) + shadow.velocity_at(row.arm))
-            };
-            let impulse = row.impulse();
-            let along = row.normal * row.normal_impulse;
-            for term in terms {
-                let node = &self.rows.nodes[term.node as usize];
-                let (mean, work) = node_work(&mut self.members, node, impulse * term.share);
-                work.contact_normal -= term.share * along.dot(mean - meeting);
-                work.contact_friction -= term.share * row.friction_impulse.dot(mean - meeting);
-                work.rigid += term.share * impulse.dot(meeting);
-            }
-            let pair = row.pair as usize;
-            let pressed = row.normal_impulse > 0.0;
-            // Two deformables are two pairs, the second with the impulse on the other one.
-            for (i, sign) in [1.0, -1.0].into_iter().enumerate() {
-                if i == 1 && !row.between {
-                    break;
-                }
-                let of_this = |t: &&Term| t.weight * sign > 0.0;
-                let share: f64 = terms.iter().filter(of_this).map(|t| t.share).sum();
-                let sums = &mut self.pairs[pair + i];
-                sums.impulse += impulse * share;
-                sums.depth = sums.depth.max(row.depth);
-                sums.touching += u32::from(pressed);
-                if pressed {
-                    let point = point(&self.members, &self.rows.nodes, terms, sign);
-                    self.sums[pair + i].add_row(point, row.normal * sign, row.normal_impulse);
-                }
-            }
-        }
-    }
-
-    /// What each node got of each row.
-    fn list_node_impulses(&mut self, wanted: bool) {
-        if !wanted {
-            self.node_impulses = None;
-            return;
-        }
-        let list = self.node_impulses.get_or_insert_default();
-        list.clear();
-        for row in &self.rows.contacts {
-            let impulse = row.impulse();
-            if impulse == DVec3::ZERO {
-                continue;
-            }
-            list.extend(self.rows.terms_of(row.terms).iter().map(|term| {
-                let node = &self.rows.nodes[term.node as usize];
-                // The nodes of the other deformable belong to the second pair.
-                let pair = row.pair as usize + usize::from(row.between && term.weight < 0.0);
-                NodeImpulse {
-                    deformable: self.members[node.body as usize].0,
-                    node: NodeId(node.node),
-                    partner: self.pairs[pair].partner,
-                    impulse: impulse * term.share,
-                }
-            }));
-        }
-    }
-
     /// Freezes bodies whose state is not finite any more; `false` if there are any.
     pub fn freeze_non_finite(&mut self) -> bool {
         let mut sound = true;
@@ -438,86 +322,3 @@ impl Group {
 }
 
 pub(super) type Members = [(DeformableHandle, Box<Deformable>)];
-
-/// A vector of length `length` along `v`.
-fn towards(v: DVec3, length: f64) -> DVec3 {
-    v * (length / v.length())
-}
-
-/// Moves a point by moving its nodes as an impulse would, books what that adds to the stored energy, and returns what it
-/// takes from the angular momentum. A pinned node stays where it is put.
-fn displace(members: &mut Members, nodes: &[RowNode], terms: &[Term], by: DVec3) -> DVec3 {
-    let response: f64 = terms
-        .iter()
-        .map(|t| t.weight * t.share * nodes[t.node as usize].inv_mass)
-        .sum();
-    let mut lost = DVec3::ZERO;
-    if response <= 0.0 {
-        return lost;
-    }
-    for term in terms {
-        let node = &nodes[term.node as usize];
-        let by = by * (term.share * node.inv_mass / response);
-        if by == DVec3::ZERO {
-            continue;
-        }
-        let body = &mut members[node.body as usize].1;
-        let i = node.node as usize;
-        let mass = f64::from(body.blueprint.nodes[i].mass);
-        let force = body.solver.force(i) + body.gravity() * mass;
-        body.solver.work.push_out -= force.dot(by);
-        body.state.displace(i, by.as_vec3().to_array());
-        lost -= by.cross(body.state.velocity(i) * mass);
-    }
-    lost
-}
-
-/// Where a row acts on its first body, or with a sign of −1 on its second \[m\].
-fn point(members: &Members, nodes: &[RowNode], terms: &[Term], sign: f64) -> DVec3 {
-    let place = |t: &Term| {
-        let node = &nodes[t.node as usize];
-        let body = &members[node.body as usize].1;
-        body.state.position(node.node as usize) * (t.weight * sign).max(0.0)
-    };
-    terms.iter().map(place).sum()
-}
-
-/// Leapfrog velocities stand at half substeps: the trapezoid of the displacements before and after the impulse. The other
-/// schemes know the velocity at the impulse itself, just before it and just after.
-fn mean(body: &Deformable, node: &RowNode) -> DVec3 {
-    if body.integrator().takes_late_impulses() {
-        0.5 * (node.before + node.v)
-    } else {
-        node.before + 0.5 * (node.v - node.free)
-    }
-}
-
-/// The sum of the nodes' mean velocities by the weights after `of` \[m/s\].
-fn mean_velocity(
-    members: &Members,
-    nodes: &[RowNode],
-    terms: &[Term],
-    of: impl Fn(f64) -> f64,
-) -> DVec3 {
-    let velocity = |t: &Term| {
-        let node = &nodes[t.node as usize];
-        mean(&members[node.body as usize].1, node) * of(t.weight)
-    };
-    terms.iter().map(velocity).sum()
-}
-
-/// The velocity whose product with an impulse on a node is its work, and where to book it. Whatever holds a pinned node
-/// takes up the work of the impulse.
-pub(super) fn node_work<'a>(
-    members: &'a mut Members,
-    node: &RowNode,
-    impulse: DVec3,
-) -> (DVec3, &'a mut Work) {
-    let body = &mut members[node.body as usize].1;
-    let mean = mean(body, node);
-    let work = &mut body.solver.work;
-    if node.inv_mass == 0.0 {
-        work.external -= impulse.dot(mean);
-    }
-    (mean, work)
-}

@@ -3,7 +3,8 @@
 use super::AttachmentHandle;
 use super::attach::AttachmentState;
 use super::observer::{AttachmentBroke, AttachmentImpulse, Observer};
-use super::substep::{Group, node_work};
+use super::substep::Group;
+use super::work::node_work;
 use crate::coupling::attach::Side;
 use crate::coupling::ties::{Average, LinkEnergy};
 use crate::math::DVec3;

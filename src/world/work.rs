@@ -1,0 +1,129 @@
+//! The work of rows, and who got which impulse.
+
+use super::Deformable;
+use super::observer::NodeImpulse;
+use super::substep::{Group, Members};
+use crate::body::NodeId;
+use crate::math::DVec3;
+use crate::solve::rows::{RowNode, Term};
+use crate::solve::work::Work;
+
+impl Group {
+    /// Work of every row by the trapezoid rule over the displacements actually made. It is booked where the two sides meet:
+    /// at the collider's velocity, or half-way between the points of two deformables.
+    pub fn book_work(&mut self) {
+        for row in &self.rows.contacts {
+            let terms = self.rows.terms_of(row.terms);
+            let shadow = &self.shadows[row.shadow as usize];
+            let meeting = if row.between {
+                0.5 * mean_velocity(&self.members, &self.rows.nodes, terms, f64::abs)
+            } else {
+                0.5 * (shadow.velocity_before(row.arm) + shadow.velocity_at(row.arm))
+            };
+            let impulse = row.impulse();
+            let along = row.normal * row.normal_impulse;
+            for term in terms {
+                let node = &self.rows.nodes[term.node as usize];
+                let (mean, work) = node_work(&mut self.members, node, impulse * term.share);
+                work.contact_normal -= term.share * along.dot(mean - meeting);
+                work.contact_friction -= term.share * row.friction_impulse.dot(mean - meeting);
+                work.rigid += term.share * impulse.dot(meeting);
+            }
+            let pair = row.pair as usize;
+            let pressed = row.normal_impulse > 0.0;
+            // Two deformables are two pairs, the second with the impulse on the other one.
+            for (i, sign) in [1.0, -1.0].into_iter().enumerate() {
+                if i == 1 && !row.between {
+                    break;
+                }
+                let of_this = |t: &&Term| t.weight * sign > 0.0;
+                let share: f64 = terms.iter().filter(of_this).map(|t| t.share).sum();
+                let sums = &mut self.pairs[pair + i];
+                sums.impulse += impulse * share;
+                sums.depth = sums.depth.max(row.depth);
+                sums.touching += u32::from(pressed);
+                if pressed {
+                    let point = point(&self.members, &self.rows.nodes, terms, sign);
+                    self.sums[pair + i].add_row(point, row.normal * sign, row.normal_impulse);
+                }
+            }
+        }
+    }
+
+    /// What each node got of each row.
+    pub fn list_node_impulses(&mut self, wanted: bool) {
+        if !wanted {
+            self.node_impulses = None;
+            return;
+        }
+        let list = self.node_impulses.get_or_insert_default();
+        list.clear();
+        for row in &self.rows.contacts {
+            let impulse = row.impulse();
+            if impulse == DVec3::ZERO {
+                continue;
+            }
+            list.extend(self.rows.terms_of(row.terms).iter().map(|term| {
+                let node = &self.rows.nodes[term.node as usize];
+                // The nodes of the other deformable belong to the second pair.
+                let pair = row.pair as usize + usize::from(row.between && term.weight < 0.0);
+                NodeImpulse {
+                    deformable: self.members[node.body as usize].0,
+                    node: NodeId(node.node),
+                    partner: self.pairs[pair].partner,
+                    impulse: impulse * term.share,
+                }
+            }));
+        }
+    }
+}
+
+/// Where a row acts on its first body, or with a sign of −1 on its second \[m\].
+fn point(members: &Members, nodes: &[RowNode], terms: &[Term], sign: f64) -> DVec3 {
+    let place = |t: &Term| {
+        let node = &nodes[t.node as usize];
+        let body = &members[node.body as usize].1;
+        body.state.position(node.node as usize) * (t.weight * sign).max(0.0)
+    };
+    terms.iter().map(place).sum()
+}
+
+/// Leapfrog velocities stand at half substeps: the trapezoid of the displacements before and after the impulse. The other
+/// schemes know the velocity at the impulse itself, just before it and just after.
+fn mean(body: &Deformable, node: &RowNode) -> DVec3 {
+    if body.integrator().takes_late_impulses() {
+        0.5 * (node.before + node.v)
+    } else {
+        node.before + 0.5 * (node.v - node.free)
+    }
+}
+
+/// The sum of the nodes' mean velocities by the weights after `of` \[m/s\].
+fn mean_velocity(
+    members: &Members,
+    nodes: &[RowNode],
+    terms: &[Term],
+    of: impl Fn(f64) -> f64,
+) -> DVec3 {
+    let velocity = |t: &Term| {
+        let node = &nodes[t.node as usize];
+        mean(&members[node.body as usize].1, node) * of(t.weight)
+    };
+    terms.iter().map(velocity).sum()
+}
+
+/// The velocity whose product with an impulse on a node is its work, and where to book it. Whatever holds a pinned node
+/// takes up the work of the impulse.
+pub(super) fn node_work<'a>(
+    members: &'a mut Members,
+    node: &RowNode,
+    impulse: DVec3,
+) -> (DVec3, &'a mut Work) {
+    let body = &mut members[node.body as usize].1;
+    let mean = mean(body, node);
+    let work = &mut body.solver.work;
+    if node.inv_mass == 0.0 {
+        work.external -= impulse.dot(mean);
+    }
+    (mean, work)
+}
