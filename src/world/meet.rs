@@ -171,15 +171,15 @@ impl DeformableWorld {
             let pair = group.add_pair(a, of_b);
             group.add_pair(b, of_a);
             let members = [a as u32, b as u32];
-            group
-                .encounters
-                .push(match kept.remove(&(keys[0], keys[1])) {
-                    Some(mut e) => {
-                        e.resume(members, pair, manners, moved);
-                        e
-                    }
-                    None => Encounter::new(members, pair, manners),
-                });
+            let mut encounter = match kept.remove(&(keys[0], keys[1])) {
+                Some(mut e) => {
+                    e.resume(members, pair, manners, moved);
+                    e
+                }
+                None => Encounter::new(members, pair, manners),
+            };
+            encounter.attached = group.attached_nodes(members);
+            group.encounters.push(encounter);
         }
     }
 

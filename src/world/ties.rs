@@ -43,6 +43,23 @@ impl Attached {
 }
 
 impl Group {
+    /// The nodes of each of two members that are welded or pinned to the other, or that the other is held by.
+    pub(super) fn attached_nodes(&self, members: [u32; 2]) -> [Vec<u32>; 2] {
+        let mut nodes: [Vec<u32>; 2] = Default::default();
+        for a in &self.attachments {
+            let Some(k) = members.iter().position(|m| *m == a.member) else {
+                continue;
+            };
+            if a.other != Some(members[1 - k]) || a.bond.is_link() || a.bond.is_broken() {
+                continue;
+            }
+            for part in a.bond.points.iter().flat_map(|p| &p.parts) {
+                nodes[if part.other { 1 - k } else { k }].push(part.node);
+            }
+        }
+        nodes
+    }
+
     pub(super) fn add_attachment(
         &mut self,
         member: u32,

@@ -30,6 +30,8 @@ pub struct Encounter {
     pub pair: u32,
     /// How they treat each other.
     pub manners: Manners,
+    /// Nodes of each that are attached to the other: these do not touch it.
+    pub attached: [Vec<u32>; 2],
     /// Nodes of each near elements of the other, sorted.
     nodes: [Vec<(u32, u32)>; 2],
     /// Edges of the first near edges of the second, sorted.
@@ -49,6 +51,7 @@ impl Encounter {
             members,
             pair,
             manners,
+            attached: Default::default(),
             nodes: Default::default(),
             edges: Vec::new(),
             budget: -1.0,

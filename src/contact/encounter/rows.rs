@@ -65,6 +65,9 @@ impl Encounter {
         while let Some(&(node, _)) = list.get(at) {
             let start = at;
             at += list[at..].iter().take_while(|p| p.0 == node).count();
+            if self.attached[own].contains(&node) {
+                continue;
+            }
             let (mine, other) = (bodies.posed[own], bodies.posed[1 - own]);
             let query = Query {
                 other,
