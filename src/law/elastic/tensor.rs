@@ -1,4 +1,4 @@
-//! 3×3 matrices over a [`Scalar`], as plain arrays of rows: what the laws of solids are written in.
+//! 3×3 matrices over a [`Scalar`](crate::math::Scalar), as plain arrays of rows: what the laws of solids are written in.
 //!
 //! Rapier's matrices have one scalar each; the laws have two. Plain arrays also leave a vector kernel free to put lanes in
 //! the place of the scalar.
