@@ -3,7 +3,8 @@
 //!
 //! An impulse J before the step displaces J·dt/m, one after it nothing; a force F held over it s·F·dt²/m. A free body
 //! gets a first part that puts it at the shadow's position, and the rest of the impulse afterwards. A constrained body
-//! gets the mean force, so that Rapier's own constraints can answer it, and the answer is measured. A mean force does not
+//! gets the mean force, so that Rapier's own constraints can answer it; where the shadow can't foresee the answer, it is
+//! measured. A mean force does not
 //! know when in the step the impulse came; where joints answer, which are linear, an impulse is split off so that the
 //! body also ends where its shadow is. (Without it a jointed pair leaves a hard impact 3 % too slow.) Rigid contacts are
 //! one-sided, and a split-off impulse may pull: bodies that press on others get the mean force alone.

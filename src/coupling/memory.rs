@@ -22,8 +22,8 @@ pub struct BodyMemory {
     pub seen: u64,
 }
 
-/// How much of a free body's answer a constrained one gives: what rests on a floor is held up by it and can still be pushed
-/// along, and what hangs on a hinge turns though it is held.
+/// How much of the answer that was computed for it a constrained body gives: for links of multibodies, and for jointed
+/// bodies that also press on others or have limits, motors or soft joints.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Response {
     /// Along each axis of the world.

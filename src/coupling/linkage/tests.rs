@@ -29,6 +29,18 @@ fn joined(joint: impl Into<GenericJoint>) -> (PhysicsWorld, RigidBodyHandle) {
     (world, two)
 }
 
+fn around(world: &PhysicsWorld) -> Surroundings<'_> {
+    Surroundings {
+        gravity: world.gravity,
+        parameters: &world.integration_parameters,
+        bodies: &world.bodies,
+        colliders: &world.colliders,
+        narrow_phase: &world.narrow_phase,
+        joints: &world.impulse_joints,
+        multibodies: &world.multibody_joints,
+    }
+}
+
 /// What is computed is what Rapier does, whatever the joint: to 1 % of what a free body would do.
 #[test]
 fn joints_answer_as_rapier_says() {
@@ -40,15 +52,7 @@ fn joints_answer_as_rapier_says() {
     ];
     for joint in joints {
         let (mut world, body) = joined(joint);
-        let around = Surroundings {
-            gravity: world.gravity,
-            parameters: &world.integration_parameters,
-            bodies: &world.bodies,
-            colliders: &world.colliders,
-            narrow_phase: &world.narrow_phase,
-            joints: &world.impulse_joints,
-            multibodies: &world.multibody_joints,
-        };
+        let around = around(&world);
         let dt = f64::from(world.integration_parameters.dt);
         let mobility = mobility(body, &around, dt);
         assert!(mobility.alone);
@@ -83,15 +87,7 @@ fn a_contact_that_presses_holds() {
     for _ in 0..3000 {
         world.step();
     }
-    let around = Surroundings {
-        gravity: world.gravity,
-        parameters: &world.integration_parameters,
-        bodies: &world.bodies,
-        colliders: &world.colliders,
-        narrow_phase: &world.narrow_phase,
-        joints: &world.impulse_joints,
-        multibodies: &world.multibody_joints,
-    };
+    let around = around(&world);
     let mobility = mobility(body, &around, 1.0 / 240.0);
     assert!(!mobility.alone);
     let fall = mobility.acceleration.length();
