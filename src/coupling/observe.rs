@@ -2,6 +2,7 @@
 
 use super::linkage::{self, Mobility};
 use super::memory::{BodyMemory, Response};
+use super::pressed::Presses;
 use crate::contact::target::wide_rotation;
 use crate::math::{DMat3, DVec3, Vector, wide};
 use crate::solve::shadow::Shadow;
@@ -9,7 +10,7 @@ use rapier3d::dynamics::{
     ImpulseJointSet, IntegrationParameters, MultibodyJointSet, RigidBody, RigidBodyHandle,
     RigidBodyPosition, RigidBodySet,
 };
-use rapier3d::geometry::{ColliderSet, NarrowPhase};
+use rapier3d::geometry::{BroadPhaseBvh, ColliderSet, NarrowPhase};
 
 /// What surrounds a body in Rapier's world.
 #[derive(Clone, Copy)]
@@ -22,6 +23,8 @@ pub struct Surroundings<'a> {
     pub bodies: &'a RigidBodySet,
     /// All colliders.
     pub colliders: &'a ColliderSet,
+    /// Where colliders are.
+    pub broad_phase: &'a BroadPhaseBvh,
     /// Contacts between colliders.
     pub narrow_phase: &'a NarrowPhase,
     /// Joints.
@@ -151,7 +154,12 @@ pub fn velocity(body: &RigidBody, dt: f64) -> (DVec3, DVec3) {
 }
 
 /// How a body will answer in this step.
-pub fn answer(handle: RigidBodyHandle, body: &RigidBody, around: &Surroundings) -> Answer {
+pub fn answer(
+    handle: RigidBodyHandle,
+    body: &RigidBody,
+    presses: &Presses,
+    around: &Surroundings,
+) -> Answer {
     if !body.is_dynamic() || body.is_sleeping() {
         Answer::None
     } else if is_link(handle, around) {
@@ -159,21 +167,17 @@ pub fn answer(handle: RigidBodyHandle, body: &RigidBody, around: &Surroundings) 
         Answer::Link
     } else if has_joint(handle, around) {
         Answer::Jointed
-    } else if has_contact(body, around) {
+    } else if presses.has(handle) {
         Answer::Pressed
     } else {
         Answer::Free
     }
 }
 
-/// Whether a rigid contact presses on the body.
-pub fn has_contact(body: &RigidBody, around: &Surroundings) -> bool {
-    body.colliders().iter().any(|&c| {
-        around
-            .narrow_phase
-            .contact_pairs_with(c)
-            .any(|pair| pair.has_any_active_contact())
-    })
+/// Whether a body answers, and nothing but contacts can hold it.
+pub fn is_single(handle: RigidBodyHandle, body: &RigidBody, around: &Surroundings) -> bool {
+    let awake = body.is_dynamic() && !body.is_sleeping();
+    awake && !is_link(handle, around) && !has_joint(handle, around)
 }
 
 fn has_joint(handle: RigidBodyHandle, around: &Surroundings) -> bool {

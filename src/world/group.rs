@@ -2,7 +2,6 @@
 
 use super::meet::Meeting;
 use super::observer::Partner;
-use super::pressed::heap;
 use super::reach::Search;
 use super::report::StepReport;
 use super::substep::{Group, NEAR};
@@ -15,6 +14,7 @@ use crate::coupling::handover;
 use crate::coupling::linkage::Mobility;
 use crate::coupling::memory::{BodyMemory, Response};
 use crate::coupling::observe::{self, Answer, Surroundings};
+use crate::coupling::pressed::Presses;
 use crate::solve::shadow::Shadow;
 use rapier3d::dynamics::RigidBodyHandle;
 use std::collections::BTreeMap;
@@ -92,12 +92,14 @@ impl DeformableWorld {
         }
         self.report.unsupported = unsupported;
         let meetings = self.find_meetings(&reaches, &search);
-        let group_of = self.join(&reaches, &meetings, parts);
+        let around = parts.surroundings();
+        let touched = reaches.iter().flat_map(|r| self.touched_by(r));
+        let presses = Presses::gather(touched, &around);
+        let group_of = self.join(&reaches, &meetings, &presses, &around);
         let handles: Vec<DeformableHandle> = reaches.iter().map(|r| r.handle).collect();
         let mut kept = std::mem::take(&mut self.contacts);
         let far = 0.01 * parts.length_unit();
         let mut groups: BTreeMap<usize, Group> = BTreeMap::new();
-        let around = parts.surroundings();
         let mut bonds = Vec::new();
         for (i, reach) in reaches.into_iter().enumerate() {
             let group = groups.entry(group_of[i]).or_insert_with(Group::empty);
@@ -109,7 +111,8 @@ impl DeformableWorld {
             group.members.push((reach.handle, body));
             let mut candidates = Vec::new();
             for mut target in reach.targets {
-                target.shadow = shadow_of(group, target.body, &mut self.memory, &around, dt);
+                target.shadow =
+                    shadow_of(group, target.body, &mut self.memory, &presses, &around, dt);
                 let pair = group.add_pair(member, Partner::Collider(target.collider));
                 let key = (reach.handle.key(), target.collider.into_raw_parts());
                 candidates.push(match kept.remove(&key) {
@@ -131,7 +134,7 @@ impl DeformableWorld {
             else {
                 continue;
             };
-            let shadow = shadow_of(group, bond.body(), &mut self.memory, &around, dt);
+            let shadow = shadow_of(group, bond.body(), &mut self.memory, &presses, &around, dt);
             let other = match bond.target {
                 AttachTo::Deformable(other) => {
                     let found = group.members.iter().position(|(h, _)| *h == other);
@@ -143,7 +146,7 @@ impl DeformableWorld {
             group.add_attachment(member, other, shadow, handle, bond.clone());
         }
         for group in groups.values_mut() {
-            group.find_rigid_contacts(&mut self.memory, &around, dt);
+            group.find_rigid_contacts(&mut self.memory, &presses, &around, dt);
         }
         self.resume_encounters(&mut groups, &group_of, &handles, &meetings);
         groups.into_values().collect()
@@ -151,7 +154,13 @@ impl DeformableWorld {
 
     /// The smallest member index of the group of each deformable: those that meet, or touch the same dynamic body or the
     /// same heap of them, are joined.
-    fn join(&self, reaches: &[Reach], meetings: &[Meeting], parts: &RapierParts) -> Vec<usize> {
+    fn join(
+        &self,
+        reaches: &[Reach],
+        meetings: &[Meeting],
+        presses: &Presses,
+        around: &Surroundings,
+    ) -> Vec<usize> {
         let mut parent: Vec<usize> = (0..reaches.len()).collect();
         fn root(parent: &[usize], mut i: usize) -> usize {
             while parent[i] != i {
@@ -159,22 +168,16 @@ impl DeformableWorld {
             }
             i
         }
-        let around = parts.surroundings();
         let mut first: BTreeMap<BodyKey, usize> = BTreeMap::new();
         for (i, reach) in reaches.iter().enumerate() {
-            let touched = reach.targets.iter().filter_map(|t| t.body);
-            let attached = reach
-                .attachments
-                .iter()
-                .filter_map(|h| self.attachments.get(h.0)?.body());
-            for body in touched.chain(attached) {
-                if !parts.bodies.get(body).is_some_and(|b| b.is_dynamic()) {
+            for body in self.touched_by(reach) {
+                if !around.bodies.get(body).is_some_and(|b| b.is_dynamic()) {
                     continue;
                 }
                 let others = match first.get(&body.into_raw_parts()) {
                     Some(&other) => vec![other],
                     None => {
-                        let heap = heap(body, &around).into_iter();
+                        let heap = presses.heap(body, around).into_iter();
                         heap.map(|b| *first.entry(b.into_raw_parts()).or_insert(i))
                             .collect()
                     }
@@ -202,6 +205,13 @@ impl DeformableWorld {
         (0..reaches.len()).map(|i| root(&parent, i)).collect()
     }
 
+    /// The bodies that a deformable can touch or is attached to.
+    fn touched_by(&self, reach: &Reach) -> impl Iterator<Item = RigidBodyHandle> {
+        let touched = reach.targets.iter().filter_map(|t| t.body);
+        let bonds = reach.attachments.iter();
+        touched.chain(bonds.filter_map(|h| self.attachments.get(h.0)?.body()))
+    }
+
     fn attachments_of(
         &self,
         deformable: DeformableHandle,
@@ -227,6 +237,7 @@ impl DeformableWorld {
             .shadows
             .iter()
             .all(|s| s.impulse.is_finite() && s.torque.is_finite());
+        group.release();
         let near = group.near_bodies(NEAR * parts.length_unit());
         self.pause_encounters(&mut group);
         for (pair, sum) in group.pair_sums() {
@@ -306,6 +317,7 @@ pub(super) fn shadow_of(
     group: &mut Group,
     body: Option<RigidBodyHandle>,
     memory: &mut BTreeMap<BodyKey, BodyMemory>,
+    presses: &Presses,
     around: &Surroundings,
     dt: f64,
 ) -> u32 {
@@ -315,7 +327,7 @@ pub(super) fn shadow_of(
     if let Some(i) = group.touched.iter().position(|t| t.body == handle) {
         return i as u32 + 1;
     }
-    let answer = observe::answer(handle, body, around);
+    let answer = observe::answer(handle, body, presses, around);
     let (mobility, response) = if answer == Answer::None {
         (Mobility::free(body, around.gravity), Response::all(1.0))
     } else {

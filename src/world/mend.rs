@@ -10,7 +10,7 @@ impl Group {
     /// Mends depth, creep of what sticks, and errors of ties at position level, on the nodes alone, which gives nothing any
     /// velocity. Ties are mended in full, and at a limited rate only while something moved from outside is on its way
     /// back. What that changes in stored energy is booked; the angular momentum that a moved node loses goes to the body
-    /// it is moved out of, if that is free.
+    /// it is moved out of, if nothing but contacts holds that.
     pub fn push_out(&mut self, h: f64, s: &Settings) {
         let Self {
             rows,
@@ -24,7 +24,7 @@ impl Group {
             let lost = displace(members, &rows.nodes, rows.terms_of(terms), by);
             if (shadow as usize)
                 .checked_sub(1)
-                .is_some_and(|i| touched[i].answer == Answer::Free)
+                .is_some_and(|i| matches!(touched[i].answer, Answer::Free | Answer::Pressed))
             {
                 let shadow = &mut shadows[shadow as usize];
                 shadow.w += shadow.inv_inertia * lost;

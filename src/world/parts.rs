@@ -53,6 +53,7 @@ impl RapierParts<'_> {
             parameters: self.integration_parameters,
             bodies: self.bodies,
             colliders: self.colliders,
+            broad_phase: self.broad_phase,
             narrow_phase: self.narrow_phase,
             joints: self.impulse_joints,
             multibodies: self.multibody_joints,

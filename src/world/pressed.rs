@@ -3,11 +3,10 @@
 use super::group::{BodyKey, shadow_of};
 use super::substep::Group;
 use crate::coupling::memory::BodyMemory;
-use crate::coupling::observe::{self, Answer, Surroundings};
-use crate::coupling::pressed::{self, RigidContact};
+use crate::coupling::observe::{Answer, Surroundings};
+use crate::coupling::pressed::{Presses, RigidContact};
 use crate::math::DVec3;
 use crate::solve::rows::RigidRow;
-use rapier3d::dynamics::RigidBodyHandle;
 use std::collections::{BTreeMap, BTreeSet};
 
 impl Group {
@@ -16,6 +15,7 @@ impl Group {
     pub fn find_rigid_contacts(
         &mut self,
         memory: &mut BTreeMap<BodyKey, BodyMemory>,
+        presses: &Presses,
         around: &Surroundings,
         dt: f64,
     ) {
@@ -26,16 +26,12 @@ impl Group {
             if touched.answer != Answer::Pressed {
                 continue;
             }
-            for pair in pressed::pairs(touched.body, around) {
-                let key = [pair.collider1, pair.collider2].map(|c| c.into_raw_parts());
-                if !seen.insert(key) {
-                    continue;
-                }
-                for contact in pressed::points(pair, around.bodies) {
+            for (number, contact) in presses.of(touched.body) {
+                if seen.insert(number) {
                     let shadows = contact
                         .bodies
-                        .map(|b| shadow_of(self, b, memory, around, dt));
-                    self.add_rigid_contact(shadows, &contact, dt);
+                        .map(|b| shadow_of(self, b, memory, presses, around, dt));
+                    self.add_rigid_contact(shadows, contact, dt);
                 }
             }
         }
@@ -61,36 +57,25 @@ impl Group {
         self.rows.rigid.push(row);
     }
 
+    /// Lets go of bodies that could have pressed on others and did not: they are as free as any.
+    pub fn release(&mut self) {
+        let mut pressed = vec![false; self.shadows.len()];
+        for row in self.rows.rigid.iter().filter(|r| r.pressed) {
+            for shadow in row.shadows {
+                pressed[shadow as usize] = true;
+            }
+        }
+        for (touched, pressed) in self.touched.iter_mut().zip(&pressed[1..]) {
+            if touched.answer == Answer::Pressed && !pressed {
+                touched.answer = Answer::Free;
+            }
+        }
+    }
+
     /// Makes the forces that rigid contacts start from impulses of substeps of h s.
     pub fn start_rigid_contacts(&mut self, h: f64) {
         for row in &mut self.rows.rigid {
             row.normal_impulse *= h;
         }
     }
-}
-
-/// The bodies that a body presses on, those that they press on, and so forth; those that don't answer, and those that hang
-/// on joints, end a chain.
-pub(super) fn heap(body: RigidBodyHandle, around: &Surroundings) -> Vec<RigidBodyHandle> {
-    let mut heap = vec![body];
-    let mut known = BTreeSet::from([body.into_raw_parts()]);
-    let mut next = 0;
-    while let Some(&handle) = heap.get(next) {
-        next += 1;
-        let pressed = |b| observe::answer(handle, b, around) == Answer::Pressed;
-        if !around.bodies.get(handle).is_some_and(pressed) {
-            continue;
-        }
-        for pair in pressed::pairs(handle, around) {
-            let colliders = [pair.collider1, pair.collider2];
-            let parents = colliders.map(|c| around.colliders.get(c)?.parent());
-            for other in parents.into_iter().flatten() {
-                let moves = around.bodies.get(other).is_some_and(|b| b.is_dynamic());
-                if moves && known.insert(other.into_raw_parts()) {
-                    heap.push(other);
-                }
-            }
-        }
-    }
-    heap
 }

@@ -35,6 +35,7 @@ fn around(world: &PhysicsWorld) -> Surroundings<'_> {
         parameters: &world.integration_parameters,
         bodies: &world.bodies,
         colliders: &world.colliders,
+        broad_phase: &world.broad_phase,
         narrow_phase: &world.narrow_phase,
         joints: &world.impulse_joints,
         multibodies: &world.multibody_joints,

@@ -229,6 +229,9 @@ impl Pass<'_> {
             shadow.impulse -= j;
             shadow.torque -= arm.cross(j);
         };
+        for row in &mut *self.rigid {
+            row.pressed |= row.normal_impulse > 0.0;
+        }
         for row in &*self.contacts {
             book(row.shadow, row.arm, row.impulse() * row.rigid_share);
         }

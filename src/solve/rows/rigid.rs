@@ -27,6 +27,8 @@ pub struct RigidRow {
     pub normal_impulse: f64,
     /// Accumulated friction impulse on the second, likewise \[N·s\].
     pub friction_impulse: DVec3,
+    /// Whether the bodies have pressed on each other in any substep so far.
+    pub pressed: bool,
     /// From the centres of mass to the points \[m\]; set by the pass, as what follows.
     pub arms: [DVec3; 2],
     /// Effective mass along the normal \[kg\].
