@@ -130,6 +130,12 @@ impl<S: Scalar> Solver<S> {
         DVec3::new(sum(0), sum(1), sum(2))
     }
 
+    /// Force of springs and elements on a node at the last evaluation, damping left out \[N\].
+    pub(crate) fn elastic_force(&self, node: usize) -> DVec3 {
+        let f = self.forces[node].elastic;
+        DVec3::new(f[0].f64(), f[1].f64(), f[2].f64())
+    }
+
     /// Keeps positions and velocities for schemes whose stages start from them.
     pub(crate) fn save_start(&mut self, state: &State<S>) {
         self.start.clear();

@@ -79,7 +79,7 @@ fn displace(members: &mut Members, nodes: &[RowNode], terms: &[Term], by: DVec3)
         let body = &mut members[node.body as usize].1;
         let i = node.node as usize;
         let mass = f64::from(body.blueprint.nodes[i].mass);
-        let force = body.solver.force(i) + body.gravity() * mass;
+        let force = body.solver.elastic_force(i) + body.gravity() * mass;
         body.solver.work.push_out -= force.dot(by);
         body.state.displace(i, by.as_vec3().to_array());
         lost -= by.cross(body.state.velocity(i) * mass);
