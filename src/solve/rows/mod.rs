@@ -13,10 +13,12 @@ mod pass;
 mod points;
 mod rigid;
 mod squeeze;
+mod wake;
 
 use crate::math::{DMat3, DVec3};
 pub use rigid::RigidRow;
 use squeeze::Squeeze;
+use wake::Wake;
 
 /// A node that has at least one row.
 #[derive(Clone, Copy, Debug)]
@@ -160,6 +162,7 @@ pub struct Rows {
     /// Contacts of shadows with each other; these stay when the others are cleared.
     pub rigid: Vec<RigidRow>,
     squeeze: Squeeze,
+    wake: Wake,
 }
 
 impl Rows {

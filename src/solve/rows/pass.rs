@@ -2,6 +2,7 @@
 
 use super::points::Points;
 use super::squeeze::Squeeze;
+use super::wake::Wake;
 use super::{RigidRow, Row, Rows, Tie};
 use crate::law::row::{allowed_velocity, friction_impulse, normal_impulse, turning};
 use crate::math::{DMat3, DVec3};
@@ -16,6 +17,8 @@ impl Rows {
             self.squeeze
                 .find(self.nodes.len(), &self.contacts, &self.terms);
         }
+        let rows = self.contacts.len() + self.ties.len() + self.rigid.len();
+        self.wake.start(self.nodes.len(), shadows, rows);
         let mut pass = Pass {
             points: Points {
                 nodes: &mut self.nodes,
@@ -26,6 +29,7 @@ impl Rows {
             rigid: &mut self.rigid,
             shadows,
             squeeze: &self.squeeze,
+            wake: &mut self.wake,
             squeezed,
             h,
             tolerance: 0.0,
@@ -64,6 +68,7 @@ pub(super) struct Pass<'a> {
     pub rigid: &'a mut [RigidRow],
     pub shadows: &'a mut [Shadow],
     pub squeeze: &'a Squeeze,
+    pub wake: &'a mut Wake,
     /// Whether `squeeze` is of these rows.
     squeezed: bool,
     h: f64,
@@ -102,12 +107,20 @@ impl Pass<'_> {
     }
 
     fn solve_rigid(&mut self, reversed: bool) -> bool {
-        let (shadows, tolerance) = (&mut *self.shadows, self.tolerance);
-        let solve = |changed: bool, row: &mut RigidRow| row.solve(shadows, tolerance) | changed;
+        let first = self.contacts.len() + self.ties.len();
+        let (shadows, wake, tolerance) = (&mut *self.shadows, &mut *self.wake, self.tolerance);
+        let solve = |any: bool, (i, row): (usize, &mut RigidRow)| {
+            let changed = wake.visit(first + i, &[], row.shadows) && row.solve(shadows, tolerance);
+            if changed {
+                wake.change(&[], row.shadows);
+            }
+            any | changed
+        };
+        let rows = self.rigid.iter_mut().enumerate();
         if reversed {
-            self.rigid.iter_mut().rev().fold(false, solve)
+            rows.rev().fold(false, solve)
         } else {
-            self.rigid.iter_mut().fold(false, solve)
+            rows.fold(false, solve)
         }
     }
 
@@ -129,6 +142,11 @@ impl Pass<'_> {
     fn solve_contacts(&mut self, order: impl Iterator<Item = usize>) -> bool {
         let mut changed = false;
         for i in order {
+            let row = &self.contacts[i];
+            let terms = self.points.terms_of(row.terms);
+            if !self.wake.visit(i, terms, [row.shadow; 2]) {
+                continue;
+            }
             changed |= if self.is_squeezed(i) {
                 self.solve_squeezed(i)
             } else {
@@ -180,7 +198,17 @@ impl Pass<'_> {
         let along = row.normal * change;
         self.points.push(row.terms, along);
         self.shadows[row.shadow as usize].push(row.arm, -along * row.rigid_share);
-        change.abs() > self.tolerance * jn
+        self.note(i, change.abs() > self.tolerance * jn)
+    }
+
+    /// Has those looked at again that a changed row concerns; `changed` again.
+    fn note(&mut self, i: usize, changed: bool) -> bool {
+        if changed {
+            let row = &self.contacts[i];
+            let terms = self.points.terms_of(row.terms);
+            self.wake.change(terms, [row.shadow; 2]);
+        }
+        changed
     }
 
     /// The slip velocity of a row and its direction, if there is slip and friction.
@@ -204,18 +232,27 @@ impl Pass<'_> {
         row.friction_impulse = jt;
         self.points.push(row.terms, change);
         self.shadows[row.shadow as usize].push(row.arm, -change * row.rigid_share);
-        change.length() > self.tolerance * row.normal_impulse
+        let changed = change.length() > self.tolerance * row.normal_impulse;
+        self.note(i, changed)
     }
 
     fn solve_ties(&mut self, order: impl Iterator<Item = usize>) -> bool {
         let mut changed = false;
         for i in order {
             let tie = &mut self.ties[i];
+            let terms = self.points.terms_of(tie.terms);
+            let number = self.contacts.len() + i;
+            if !self.wake.visit(number, terms, [tie.shadow; 2]) {
+                continue;
+            }
             let shadow = &mut self.shadows[tie.shadow as usize];
             let wanted = shadow.velocity_at(tie.arm) + tie.bias - tie.impulse * tie.softness;
             let change = tie.mass * (wanted - self.points.velocity(tie.terms));
             tie.impulse += change;
-            changed |= change.length() > self.tolerance * tie.impulse.length();
+            if change.length() > self.tolerance * tie.impulse.length() {
+                changed = true;
+                self.wake.change(terms, [tie.shadow; 2]);
+            }
             self.points.push(tie.terms, change);
             shadow.push(tie.arm, -change);
         }

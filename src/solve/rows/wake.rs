@@ -1,0 +1,66 @@
+//! Which rows a pass must look at: those at nodes and shadows that have changed since their last visit.
+//!
+//! In a heap at rest most rows are settled after one visit, and a few take all passes. Visiting only those makes a pass
+//! cost what there is to do.
+
+use super::Term;
+use crate::math::DMat3;
+use crate::solve::shadow::Shadow;
+
+/// When nodes and shadows last changed, in visits since the substep began.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Wake {
+    now: u32,
+    nodes: Vec<u32>,
+    /// Never for a shadow that can't move, whatever pushes it.
+    shadows: Vec<u32>,
+    moves: Vec<bool>,
+    /// The last visit of each row: contacts, then ties, then contacts of shadows with each other.
+    visits: Vec<u32>,
+}
+
+impl Wake {
+    /// Starts a substep: everything has yet to be visited.
+    pub fn start(&mut self, nodes: usize, shadows: &[Shadow], rows: usize) {
+        self.now = 1;
+        let fill = |list: &mut Vec<u32>, count: usize, value: u32| {
+            list.clear();
+            list.resize(count, value);
+        };
+        fill(&mut self.nodes, nodes, 1);
+        fill(&mut self.shadows, shadows.len(), 0);
+        fill(&mut self.visits, rows, 0);
+        let moves = |s: &Shadow| s.inv_mass != DMat3::ZERO || s.inv_inertia != DMat3::ZERO;
+        self.moves.clear();
+        self.moves.extend(shadows.iter().map(moves));
+        for (last, moves) in self.shadows.iter_mut().zip(&self.moves) {
+            *last = u32::from(*moves);
+        }
+    }
+
+    /// Whether row number `row` has anything to look at. If so, it counts as visited from now on.
+    #[inline(always)]
+    pub fn visit(&mut self, row: usize, terms: &[Term], shadows: [u32; 2]) -> bool {
+        let last = self.visits[row];
+        let due = terms.iter().any(|t| self.nodes[t.node as usize] > last)
+            || shadows.iter().any(|s| self.shadows[*s as usize] > last);
+        if due {
+            self.visits[row] = self.now;
+        }
+        due
+    }
+
+    /// A row has changed the velocities of its nodes and shadows. It will be looked at once more itself.
+    #[inline(always)]
+    pub fn change(&mut self, terms: &[Term], shadows: [u32; 2]) {
+        self.now += 1;
+        for term in terms {
+            self.nodes[term.node as usize] = self.now;
+        }
+        for shadow in shadows {
+            if self.moves[shadow as usize] {
+                self.shadows[shadow as usize] = self.now;
+            }
+        }
+    }
+}
