@@ -16,6 +16,23 @@ use crate::math::{DQuat, DVec3, Vector, narrow, wide};
 use crate::solve::shadow::Shadow;
 use rapier3d::dynamics::{IntegrationParameters, RigidBody};
 
+/// What of a body's impulses it gets at the start of Rapier's step; the rest it gets as a force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Split {
+    /// \[N·s\].
+    pub impulse: DVec3,
+    /// About the centre of mass \[N·m·s\].
+    pub torque: DVec3,
+}
+
+impl Split {
+    /// All is given as a force.
+    pub const NONE: Self = Self {
+        impulse: DVec3::ZERO,
+        torque: DVec3::ZERO,
+    };
+}
+
 /// What a body still has to get after Rapier's step.
 #[derive(Clone, Copy, Debug)]
 pub struct Pending {
@@ -54,6 +71,7 @@ pub fn before_step(
     mobility: &Mobility,
     start: &Shadow,
     end: &Shadow,
+    split: Split,
     parameters: &IntegrationParameters,
     dt: f64,
 ) -> Pending {
@@ -84,7 +102,7 @@ pub fn before_step(
         }
         Answer::Pressed | Answer::Jointed | Answer::Link => {
             pending.free = mobility.answer(end.impulse, end.torque, dt);
-            let mut early = (DVec3::ZERO, DVec3::ZERO);
+            let mut early = (split.impulse, split.torque);
             // With one solver iteration Rapier gives force and impulse the same displacement: nothing to split.
             let alone = mobility.alone && answer == Answer::Jointed;
             if alone && displacement_share(body, parameters) < 1.0 {

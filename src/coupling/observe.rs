@@ -40,9 +40,9 @@ pub enum Answer {
     None,
     /// Like a free body.
     Free,
-    /// Pressed against other rigid bodies: its shadow keeps these contacts.
+    /// Pressed against other rigid bodies or joined to them: its shadow keeps these contacts and joints.
     Pressed,
-    /// Held by joints, and perhaps by rigid contacts too.
+    /// Held by joints that shadows can't keep, and perhaps by rigid contacts too.
     Jointed,
     /// A link of a multibody.
     Link,
@@ -165,19 +165,13 @@ pub fn answer(
     } else if is_link(handle, around) {
         // Rapier rewrites the velocity of a link from its joint coordinates: impulses are lost on it, forces are not.
         Answer::Link
-    } else if has_joint(handle, around) {
+    } else if has_joint(handle, around) && !presses.follows(handle) {
         Answer::Jointed
     } else if presses.has(handle) {
         Answer::Pressed
     } else {
         Answer::Free
     }
-}
-
-/// Whether a body answers, and nothing but contacts can hold it.
-pub fn is_single(handle: RigidBodyHandle, body: &RigidBody, around: &Surroundings) -> bool {
-    let awake = body.is_dynamic() && !body.is_sleeping();
-    awake && !is_link(handle, around) && !has_joint(handle, around)
 }
 
 fn has_joint(handle: RigidBodyHandle, around: &Surroundings) -> bool {

@@ -65,6 +65,13 @@ impl Shadow {
         carried: (DVec3::ZERO, DVec3::ZERO),
     };
 
+    /// Takes an impulse and an angular impulse about the centre of mass \[N·s\], \[N·m·s\].
+    #[inline(always)]
+    pub fn take(&mut self, impulse: DVec3, torque: DVec3) {
+        self.v += self.inv_mass * impulse + self.cross * torque;
+        self.w += self.cross.transpose() * impulse + self.inv_inertia * torque;
+    }
+
     /// Velocity of the point at `arm` from the centre of mass \[m/s\].
     #[inline(always)]
     pub fn velocity_at(&self, arm: DVec3) -> DVec3 {
@@ -99,9 +106,7 @@ impl Shadow {
     /// Takes an impulse at `arm` \[N·s\].
     #[inline(always)]
     pub fn push(&mut self, arm: DVec3, impulse: DVec3) {
-        let torque = arm.cross(impulse);
-        self.v += self.inv_mass * impulse + self.cross * torque;
-        self.w += self.cross.transpose() * impulse + self.inv_inertia * torque;
+        self.take(impulse, arm.cross(impulse));
     }
 
     /// Rapier's velocity stands half a solver iteration before its position, because gravity is integrated symplectically in

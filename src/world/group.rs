@@ -94,7 +94,7 @@ impl DeformableWorld {
         let meetings = self.find_meetings(&reaches, &search);
         let around = parts.surroundings();
         let touched = reaches.iter().flat_map(|r| self.touched_by(r));
-        let presses = Presses::gather(touched, &around);
+        let presses = Presses::gather(touched, &around, dt);
         let group_of = self.join(&reaches, &meetings, &presses, &around);
         let handles: Vec<DeformableHandle> = reaches.iter().map(|r| r.handle).collect();
         let mut kept = std::mem::take(&mut self.contacts);
@@ -238,6 +238,8 @@ impl DeformableWorld {
             .iter()
             .all(|s| s.impulse.is_finite() && s.torque.is_finite());
         group.release();
+        let iterations = parts.integration_parameters.num_solver_iterations.max(1);
+        let splits = group.splits(iterations, dt, 2e-5 * parts.length_unit());
         let near = group.near_bodies(NEAR * parts.length_unit());
         self.pause_encounters(&mut group);
         for (pair, sum) in group.pair_sums() {
@@ -250,11 +252,12 @@ impl DeformableWorld {
                 self.contacts.insert(key, c);
             }
         }
-        for ((touched, end), near) in group
+        for (((touched, end), near), split) in group
             .touched
             .into_iter()
             .zip(group.shadows.into_iter().skip(1))
             .zip(near)
+            .zip(splits)
         {
             let end = if finite { end } else { touched.start };
             if let Some(body) = parts.bodies.get(touched.body) {
@@ -272,6 +275,7 @@ impl DeformableWorld {
                         &touched.mobility,
                         &touched.start,
                         &end,
+                        split,
                         parts.integration_parameters,
                         dt,
                     )

@@ -23,6 +23,7 @@ mod parts;
 mod pressed;
 mod query;
 mod reach;
+mod rehearse;
 mod report;
 mod sense;
 mod settings;

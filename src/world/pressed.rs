@@ -1,17 +1,17 @@
-//! Rigid bodies that press on each other: their shadows belong to the same group and keep these contacts.
+//! Rigid bodies that press on each other or are joined: their shadows belong to the same group and keep these contacts
+//! and joints.
 
 use super::group::{BodyKey, shadow_of};
 use super::substep::Group;
 use crate::coupling::memory::BodyMemory;
 use crate::coupling::observe::{Answer, Surroundings};
-use crate::coupling::pressed::{Presses, RigidContact};
+use crate::coupling::pressed::{HeldTogether, Presses, RigidContact};
 use crate::math::DVec3;
-use crate::solve::rows::RigidRow;
+use crate::solve::rows::{JointRow, RigidRow};
 use std::collections::{BTreeMap, BTreeSet};
 
 impl Group {
-    /// Adds the contacts of all touched bodies with other rigid ones, and of those with others again. What hangs on joints
-    /// ends a chain: its response is measured, contacts included.
+    /// Adds the contacts and joints of all touched bodies with other rigid ones, and of those with others again.
     pub fn find_rigid_contacts(
         &mut self,
         memory: &mut BTreeMap<BodyKey, BodyMemory>,
@@ -19,32 +19,52 @@ impl Group {
         around: &Surroundings,
         dt: f64,
     ) {
-        let mut seen = BTreeSet::new();
+        let (mut pressed, mut held) = (BTreeSet::new(), BTreeSet::new());
         let mut next = 0;
         while let Some(touched) = self.touched.get(next) {
             next += 1;
             if touched.answer != Answer::Pressed {
                 continue;
             }
-            for (number, contact) in presses.of(touched.body) {
-                if seen.insert(number) {
-                    let shadows = contact
-                        .bodies
-                        .map(|b| shadow_of(self, b, memory, presses, around, dt));
+            let body = touched.body;
+            let mut shadow = |group: &mut Self, b| shadow_of(group, b, memory, presses, around, dt);
+            for (number, contact) in presses.contacts_of(body) {
+                if pressed.insert(number) {
+                    let shadows = contact.bodies.map(|b| shadow(self, b));
                     self.add_rigid_contact(shadows, contact, dt);
+                }
+            }
+            for (number, joint) in presses.joints_of(body) {
+                if held.insert(number) {
+                    let shadows = joint.bodies.map(|b| shadow(self, Some(b)));
+                    self.add_joint(shadows, joint);
                 }
             }
         }
     }
 
-    fn add_rigid_contact(&mut self, shadows: [u32; 2], contact: &RigidContact, dt: f64) {
-        let anchor = |k: usize| {
-            let shadow = &self.shadows[shadows[k] as usize];
-            shadow.rot.inverse() * (contact.points[k] - shadow.com)
-        };
-        let row = RigidRow {
+    fn add_joint(&mut self, shadows: [u32; 2], joint: &HeldTogether) {
+        let sides = shadows.map(|i| self.shadows[i as usize]);
+        let anchor = |k: usize| sides[k].rot.inverse() * (joint.anchors[k] - sides[k].com);
+        let opening = joint.anchors[1] - joint.anchors[0];
+        self.rows.joints.push(JointRow {
             shadows,
             anchors: [anchor(0), anchor(1)],
+            axes: joint.axes.map(|axis| sides[0].rot.inverse() * axis),
+            locked: joint.locked,
+            open: DVec3::from_array(joint.axes.map(|axis| opening.dot(axis))),
+            ..JointRow::default()
+        });
+    }
+
+    fn add_rigid_contact(&mut self, shadows: [u32; 2], contact: &RigidContact, dt: f64) {
+        let arm = |k: usize| contact.points[k] - self.shadows[shadows[k] as usize].com;
+        let gap = (contact.points[1] - contact.points[0]).dot(contact.normal);
+        let row = RigidRow {
+            shadows,
+            arms: [arm(0), arm(1)],
+            gap,
+            gap_at_start: gap,
             normal: contact.normal,
             shares: contact.shares,
             friction: contact.friction,
@@ -64,6 +84,9 @@ impl Group {
             for shadow in row.shadows {
                 pressed[shadow as usize] = true;
             }
+        }
+        for shadow in self.rows.joints.iter().flat_map(|j| j.shadows) {
+            pressed[shadow as usize] = true;
         }
         for (touched, pressed) in self.touched.iter_mut().zip(&pressed[1..]) {
             if touched.answer == Answer::Pressed && !pressed {

@@ -1,15 +1,17 @@
-//! What rigid bodies press on, or may press on within the coming step.
+//! What rigid bodies press on, or may press on within the coming step, and what they hang on.
 //!
 //! Rapier finds contacts at the start of its step and answers them within it. What it found in the last step is a step
 //! old: a body that flies at 5 m/s is 2 cm farther by now, and may be stopped in this step by something that was not near
 //! in the last. So the contacts are found here as Rapier is about to find them, at the poses and by the functions that
 //! it will use.
 
+mod joints;
 mod partners;
 mod points;
 
 use super::observe::{self, Answer, Surroundings};
 use crate::math::DVec3;
+pub use joints::HeldTogether;
 use rapier3d::dynamics::RigidBodyHandle;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -32,63 +34,110 @@ pub struct RigidContact {
     pub impulse: f64,
 }
 
-/// The contacts of bodies that deformables can touch, of what these press on, and so forth.
+/// The contacts and joints of bodies that deformables can touch, of what these press on or hang on, and so forth.
 #[derive(Debug, Default)]
 pub struct Presses {
     contacts: Vec<RigidContact>,
-    /// By the key of a body: the contacts it is part of.
-    of: BTreeMap<(u32, u32), Vec<usize>>,
+    joints: Vec<HeldTogether>,
+    followed: BTreeSet<(u32, u32)>,
+    /// By the key of a body: the contacts it is part of, and the joints.
+    of: BTreeMap<(u32, u32), [Vec<usize>; 2]>,
 }
 
 impl Presses {
-    /// Those of `seeds` and of all that these lead to. What does not answer, and what hangs on joints, ends a chain.
-    pub fn gather(seeds: impl IntoIterator<Item = RigidBodyHandle>, around: &Surroundings) -> Self {
+    /// Those of `seeds` and of all that these lead to, for a step of `dt` s. What does not answer, and what shadows can't
+    /// follow, ends a chain.
+    pub fn gather(
+        seeds: impl IntoIterator<Item = RigidBodyHandle>,
+        around: &Surroundings,
+        dt: f64,
+    ) -> Self {
         let mut found = Self::default();
         let mut next: Vec<RigidBodyHandle> = seeds.into_iter().collect();
-        let mut seen = BTreeSet::new();
+        let (mut pairs, mut held) = (BTreeSet::new(), BTreeSet::new());
         let mut known: BTreeSet<_> = next.iter().map(|b| b.into_raw_parts()).collect();
         while let Some(handle) = next.pop() {
             let Some(body) = around.bodies.get(handle) else {
                 continue;
             };
-            if !observe::is_single(handle, body, around) {
+            if !body.is_dynamic() || body.is_sleeping() {
                 continue;
             }
+            let Some(linkage) = joints::linkage(handle, around, dt) else {
+                continue;
+            };
+            let mut others = linkage;
+            found.followed.insert(handle.into_raw_parts());
+            for (number, joint) in joints::of(handle, around) {
+                if held.insert(number.into_raw_parts())
+                    && let Some(joint) = joints::held(joint, around)
+                {
+                    found.add_joint(joint);
+                }
+            }
             for pair in partners::of(body, around) {
-                if !seen.insert(pair.key()) {
+                if !pairs.insert(pair.key()) {
                     continue;
                 }
                 for contact in points::of(&pair, around) {
-                    found.add(contact);
+                    found.add_contact(contact);
                 }
-                let others = pair.bodies().into_iter().flatten();
-                next.extend(others.filter(|b| known.insert(b.into_raw_parts())));
+                others.extend(pair.bodies().into_iter().flatten());
             }
+            next.extend(
+                others
+                    .into_iter()
+                    .filter(|b| known.insert(b.into_raw_parts())),
+            );
         }
         found
     }
 
-    fn add(&mut self, contact: RigidContact) {
+    fn add_contact(&mut self, contact: RigidContact) {
         for body in contact.bodies.into_iter().flatten() {
-            let list = self.of.entry(body.into_raw_parts()).or_default();
-            list.push(self.contacts.len());
+            let [contacts, _] = self.of.entry(body.into_raw_parts()).or_default();
+            contacts.push(self.contacts.len());
         }
         self.contacts.push(contact);
     }
 
-    /// Whether a body may press on anything.
+    fn add_joint(&mut self, joint: HeldTogether) {
+        for body in joint.bodies {
+            let [_, joints] = self.of.entry(body.into_raw_parts()).or_default();
+            joints.push(self.joints.len());
+        }
+        self.joints.push(joint);
+    }
+
+    /// Whether shadows can follow what holds a body.
+    pub fn follows(&self, body: RigidBodyHandle) -> bool {
+        self.followed.contains(&body.into_raw_parts())
+    }
+
+    /// Whether a body may press on anything, or hangs on anything that shadows can follow.
     pub fn has(&self, body: RigidBodyHandle) -> bool {
         self.of.contains_key(&body.into_raw_parts())
     }
 
     /// The contacts of a body, by their numbers.
-    pub fn of(&self, body: RigidBodyHandle) -> impl Iterator<Item = (usize, &RigidContact)> {
-        let list = self.of.get(&body.into_raw_parts()).into_iter().flatten();
+    pub fn contacts_of(
+        &self,
+        body: RigidBodyHandle,
+    ) -> impl Iterator<Item = (usize, &RigidContact)> {
+        let of = self.of.get(&body.into_raw_parts());
+        let list = of.into_iter().flat_map(|[contacts, _]| contacts);
         list.map(|&i| (i, &self.contacts[i]))
     }
 
-    /// The bodies that a body presses on, those that they press on, and so forth, itself included; those that don't answer,
-    /// and those that hang on joints, end a chain.
+    /// The joints of a body, by their numbers.
+    pub fn joints_of(&self, body: RigidBodyHandle) -> impl Iterator<Item = (usize, &HeldTogether)> {
+        let of = self.of.get(&body.into_raw_parts());
+        let list = of.into_iter().flat_map(|[_, joints]| joints);
+        list.map(|&i| (i, &self.joints[i]))
+    }
+
+    /// The bodies that a body presses on or hangs on, those that they do, and so forth, itself included; those that don't
+    /// answer, and those that shadows can't follow, end a chain.
     pub fn heap(&self, body: RigidBodyHandle, around: &Surroundings) -> Vec<RigidBodyHandle> {
         let mut heap = vec![body];
         let mut known = BTreeSet::from([body.into_raw_parts()]);
@@ -99,7 +148,11 @@ impl Presses {
             if !around.bodies.get(handle).is_some_and(pressed) {
                 continue;
             }
-            let others = self.of(handle).flat_map(|(_, c)| c.bodies).flatten();
+            let pressed = self
+                .contacts_of(handle)
+                .flat_map(|(_, c)| c.bodies)
+                .flatten();
+            let others = pressed.chain(self.joints_of(handle).flat_map(|(_, j)| j.bodies));
             let moves = |h: &RigidBodyHandle| around.bodies.get(*h).is_some_and(|b| b.is_dynamic());
             heap.extend(others.filter(|h| moves(h) && known.insert(h.into_raw_parts())));
         }

@@ -9,6 +9,7 @@
 //! A light node between two heavy bodies takes as many passes as they are heavier than it, if each row sees the node
 //! alone. Rows that share a node with rows on that node alone see what those make of it instead, see `squeeze`.
 
+mod joint;
 mod pass;
 mod points;
 mod rigid;
@@ -16,6 +17,8 @@ mod squeeze;
 mod wake;
 
 use crate::math::{DMat3, DVec3};
+use crate::solve::shadow::Shadow;
+pub use joint::JointRow;
 pub use rigid::RigidRow;
 use squeeze::Squeeze;
 use wake::Wake;
@@ -161,6 +164,8 @@ pub struct Rows {
     pub ties: Vec<Tie>,
     /// Contacts of shadows with each other; these stay when the others are cleared.
     pub rigid: Vec<RigidRow>,
+    /// Joints of shadows, which stay likewise.
+    pub joints: Vec<JointRow>,
     squeeze: Squeeze,
     wake: Wake,
 }
@@ -193,6 +198,37 @@ impl Rows {
     #[inline(always)]
     pub fn terms_of(&self, terms: Terms) -> &[Term] {
         &self.terms[terms.range()]
+    }
+}
+
+/// Solves contacts and joints of shadows alone in a substep of h s, in at most `passes` passes, until a pass changes no
+/// impulse by more than a share of `tolerance`.
+pub fn solve_between_shadows(
+    contacts: &mut [RigidRow],
+    joints: &mut [JointRow],
+    shadows: &mut [Shadow],
+    (h, passes, tolerance): (f64, usize, f64),
+) {
+    for row in &mut *contacts {
+        row.start(shadows, h);
+    }
+    for row in &mut *joints {
+        row.start(shadows, h);
+    }
+    for _ in 0..passes {
+        let mut changed = false;
+        for row in &mut *contacts {
+            changed |= row.solve(shadows, tolerance);
+        }
+        for row in &mut *joints {
+            changed |= row.solve(shadows, tolerance);
+        }
+        if !changed {
+            break;
+        }
+    }
+    for row in contacts {
+        row.end(shadows, h);
     }
 }
 

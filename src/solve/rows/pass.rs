@@ -3,7 +3,7 @@
 use super::points::Points;
 use super::squeeze::Squeeze;
 use super::wake::Wake;
-use super::{RigidRow, Row, Rows, Tie};
+use super::{JointRow, RigidRow, Row, Rows, Tie};
 use crate::law::row::{allowed_velocity, friction_impulse, normal_impulse, turning};
 use crate::math::{DMat3, DVec3};
 use crate::solve::shadow::Shadow;
@@ -17,7 +17,7 @@ impl Rows {
             self.squeeze
                 .find(self.nodes.len(), &self.contacts, &self.terms);
         }
-        let rows = self.contacts.len() + self.ties.len() + self.rigid.len();
+        let rows = self.contacts.len() + self.ties.len() + self.rigid.len() + self.joints.len();
         self.wake.start(self.nodes.len(), shadows, rows);
         let mut pass = Pass {
             points: Points {
@@ -27,6 +27,7 @@ impl Rows {
             contacts: &mut self.contacts,
             ties: &mut self.ties,
             rigid: &mut self.rigid,
+            joints: &mut self.joints,
             shadows,
             squeeze: &self.squeeze,
             wake: &mut self.wake,
@@ -44,13 +45,15 @@ impl Rows {
         for n in 0..most {
             pass.tolerance = if n < passes { 1e-9 } else { 1e-3 };
             let changed = if reversed == (n % 2 == 0) {
-                pass.solve_rigid(true)
+                pass.solve_joints(true)
+                    | pass.solve_rigid(true)
                     | pass.solve_contacts((0..pass.contacts.len()).rev())
                     | pass.solve_ties((0..pass.ties.len()).rev())
             } else {
                 pass.solve_ties(0..pass.ties.len())
                     | pass.solve_contacts(0..pass.contacts.len())
                     | pass.solve_rigid(false)
+                    | pass.solve_joints(false)
             };
             if !changed {
                 break;
@@ -66,6 +69,7 @@ pub(super) struct Pass<'a> {
     pub contacts: &'a mut [Row],
     pub ties: &'a mut [Tie],
     pub rigid: &'a mut [RigidRow],
+    pub joints: &'a mut [JointRow],
     pub shadows: &'a mut [Shadow],
     pub squeeze: &'a Squeeze,
     pub wake: &'a mut Wake,
@@ -80,6 +84,7 @@ impl Pass<'_> {
     /// Whether rows share nodes, or shadows press on each other: these take more passes when a blow finds them unprepared.
     fn is_coupled(&self) -> bool {
         !self.rigid.is_empty()
+            || !self.joints.is_empty()
             || self.contacts.iter().any(|row| row.terms.count > 1)
             || (0..self.contacts.len()).any(|i| self.is_squeezed(i))
     }
@@ -124,8 +129,29 @@ impl Pass<'_> {
         }
     }
 
+    fn solve_joints(&mut self, reversed: bool) -> bool {
+        let first = self.contacts.len() + self.ties.len() + self.rigid.len();
+        let (shadows, wake, tolerance) = (&mut *self.shadows, &mut *self.wake, self.tolerance);
+        let solve = |any: bool, (i, row): (usize, &mut JointRow)| {
+            let changed = wake.visit(first + i, &[], row.shadows) && row.solve(shadows, tolerance);
+            if changed {
+                wake.change(&[], row.shadows);
+            }
+            any | changed
+        };
+        let rows = self.joints.iter_mut().enumerate();
+        if reversed {
+            rows.rev().fold(false, solve)
+        } else {
+            rows.fold(false, solve)
+        }
+    }
+
     fn start_warm(&mut self) {
         for row in &mut *self.rigid {
+            row.start(self.shadows, self.h);
+        }
+        for row in &mut *self.joints {
             row.start(self.shadows, self.h);
         }
         for row in self.contacts.iter().filter(|r| r.normal_impulse > 0.0) {
@@ -261,14 +287,14 @@ impl Pass<'_> {
 
     /// The reactions, summed up for the hand-over.
     fn book(&mut self) {
+        for row in &mut *self.rigid {
+            row.end(self.shadows, self.h);
+        }
         let mut book = |shadow: u32, arm: DVec3, j: DVec3| {
             let shadow = &mut self.shadows[shadow as usize];
             shadow.impulse -= j;
             shadow.torque -= arm.cross(j);
         };
-        for row in &mut *self.rigid {
-            row.pressed |= row.normal_impulse > 0.0;
-        }
         for row in &*self.contacts {
             book(row.shadow, row.arm, row.impulse() * row.rigid_share);
         }

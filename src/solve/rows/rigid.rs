@@ -13,8 +13,13 @@ use crate::solve::shadow::Shadow;
 pub struct RigidRow {
     /// Indices into the shadows; 0 for the fixed world.
     pub shadows: [u32; 2],
-    /// The point on the surface of each, from its centre of mass in its own axes \[m\].
-    pub anchors: [DVec3; 2],
+    /// From the centres of mass to the point. They don't turn with the bodies: what a wheel stands on is below its hub,
+    /// wherever the point is by now that was there at the start \[m\].
+    pub arms: [DVec3; 2],
+    /// Distance of the surfaces, negative inside \[m\].
+    pub gap: f64,
+    /// The same at the start of the rigid step \[m\].
+    pub gap_at_start: f64,
     /// From the first to the second.
     pub normal: DVec3,
     /// What each takes of the impulse: 1, or 0 for a body that dominates the other.
@@ -29,21 +34,16 @@ pub struct RigidRow {
     pub friction_impulse: DVec3,
     /// Whether the bodies have pressed on each other in any substep so far.
     pub pressed: bool,
-    /// From the centres of mass to the points \[m\]; set by the pass, as what follows.
-    pub arms: [DVec3; 2],
-    /// Effective mass along the normal \[kg\].
+    /// Effective mass along the normal \[kg\]; set by the pass, as what follows.
     pub mass: f64,
     /// Smallest relative normal velocity that is allowed \[m/s\].
     pub allowed: f64,
 }
 
 impl RigidRow {
-    /// Finds the points at the start of a substep of h s, and lets the shadows take the impulses of the last one.
+    /// Starts a substep of h s, and lets the shadows take the impulses of the last one.
     pub(super) fn start(&mut self, shadows: &mut [Shadow], h: f64) {
-        let [a, b] = self.shadows.map(|i| shadows[i as usize]);
-        self.arms = [a.rot * self.anchors[0], b.rot * self.anchors[1]];
-        let gap = (b.com + self.arms[1] - a.com - self.arms[0]).dot(self.normal);
-        self.allowed = allowed_velocity(-gap, h, 0.0);
+        self.allowed = allowed_velocity(-self.gap, h, 0.0);
         self.mass = self.effective_mass(shadows, self.normal);
         let impulse = self.normal * self.normal_impulse + self.friction_impulse;
         self.push(shadows, impulse);
@@ -72,6 +72,12 @@ impl RigidRow {
             }
         }
         changed
+    }
+
+    /// Ends a substep of h s.
+    pub(super) fn end(&mut self, shadows: &[Shadow], h: f64) {
+        self.pressed |= self.normal_impulse > 0.0;
+        self.gap += h * self.velocity(shadows).dot(self.normal);
     }
 
     /// Velocity of the second's point relative to the first's \[m/s\].

@@ -133,7 +133,7 @@ fn bodies_that_press_on_each_other_share_a_blow() {
     };
     let contact = |shadows: [u32; 2]| RigidRow {
         shadows,
-        anchors: [DVec3::ZERO, DVec3::ZERO],
+        arms: [DVec3::ZERO; 2],
         normal: DVec3::Y,
         shares: [1.0, 1.0],
         ..RigidRow::default()

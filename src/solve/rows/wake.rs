@@ -15,7 +15,7 @@ pub(super) struct Wake {
     /// Never for a shadow that can't move, whatever pushes it.
     shadows: Vec<u32>,
     moves: Vec<bool>,
-    /// The last visit of each row: contacts, then ties, then contacts of shadows with each other.
+    /// The last visit of each row: contacts, ties, contacts of shadows with each other, joints.
     visits: Vec<u32>,
 }
 
