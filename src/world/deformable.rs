@@ -42,6 +42,8 @@ pub struct Deformable {
     pub(super) backup: State<Real>,
     /// Particles and work before the free motion, for schemes that predict anew after rows.
     pub(super) start: Start,
+    /// Nodes moved at position level in the last substep, by how much \[m\], and against which elastic force \[N\].
+    pub(super) moved_out: Vec<(u32, DVec3, DVec3)>,
     /// How often nodes were moved from outside: what contact remembers of them is void then.
     pub(super) edits: u64,
     /// A bound on how far any node moved in the last substep \[m\].

@@ -1,5 +1,6 @@
 //! What is mended at position level: depth, creep, errors of ties.
 
+use super::Deformable;
 use super::substep::{Group, Members, Settings};
 use crate::coupling::observe::Answer;
 use crate::law::row::{pull_back, push_out};
@@ -59,6 +60,17 @@ fn towards(v: DVec3, length: f64) -> DVec3 {
     v * (length / v.length())
 }
 
+impl Deformable {
+    /// Elastic forces grow while nodes are moved against them: now that they are known at the places where these were
+    /// moved to, the other half of the trapezoid is booked.
+    pub(super) fn book_moved_out(&mut self) {
+        for (node, by, before) in self.moved_out.drain(..) {
+            let after = self.solver.elastic_force(node as usize);
+            self.solver.work.push_out -= 0.5 * (after - before).dot(by);
+        }
+    }
+}
+
 /// Moves a point by moving its nodes as an impulse would, books what that adds to the stored energy, and returns what it
 /// takes from the angular momentum. A pinned node stays where it is put.
 fn displace(members: &mut Members, nodes: &[RowNode], terms: &[Term], by: DVec3) -> DVec3 {
@@ -79,8 +91,11 @@ fn displace(members: &mut Members, nodes: &[RowNode], terms: &[Term], by: DVec3)
         let body = &mut members[node.body as usize].1;
         let i = node.node as usize;
         let mass = f64::from(body.blueprint.nodes[i].mass);
-        let force = body.solver.elastic_force(i) + body.gravity() * mass;
-        body.solver.work.push_out -= force.dot(by);
+        let elastic = body.solver.elastic_force(i);
+        body.solver.work.push_out -= (elastic + body.gravity() * mass).dot(by);
+        if body.integrator().takes_late_impulses() {
+            body.moved_out.push((node.node, by, elastic));
+        }
         body.state.displace(i, by.as_vec3().to_array());
         lost -= by.cross(body.state.velocity(i) * mass);
     }

@@ -144,6 +144,7 @@ impl Deformable {
     /// Back to the start of the rigid step: positions, velocities, what flowed and broke, and the work done.
     pub(super) fn go_back(&mut self) {
         self.cache.forget();
+        self.moved_out.clear();
         self.state.clone_from(&self.backup);
         self.solver.work = self.work_backup;
         self.links = self.links_backup;

@@ -129,6 +129,7 @@ impl Group {
         self.find_rows(h, s);
         for (_, body) in &mut self.members {
             body.predict(h);
+            body.book_moved_out();
         }
         self.note_places();
         self.solve_rows(h, s.passes, reversed);

@@ -113,38 +113,18 @@ impl Pass<'_> {
 
     fn solve_rigid(&mut self, reversed: bool) -> bool {
         let first = self.contacts.len() + self.ties.len();
-        let (shadows, wake, tolerance) = (&mut *self.shadows, &mut *self.wake, self.tolerance);
-        let solve = |any: bool, (i, row): (usize, &mut RigidRow)| {
-            let changed = wake.visit(first + i, &[], row.shadows) && row.solve(shadows, tolerance);
-            if changed {
-                wake.change(&[], row.shadows);
-            }
-            any | changed
-        };
-        let rows = self.rigid.iter_mut().enumerate();
-        if reversed {
-            rows.rev().fold(false, solve)
-        } else {
-            rows.fold(false, solve)
-        }
+        let (shadows, tolerance) = (&mut *self.shadows, self.tolerance);
+        self.wake.pass(first, self.rigid, reversed, |row| {
+            row.solve(shadows, tolerance)
+        })
     }
 
     fn solve_joints(&mut self, reversed: bool) -> bool {
         let first = self.contacts.len() + self.ties.len() + self.rigid.len();
-        let (shadows, wake, tolerance) = (&mut *self.shadows, &mut *self.wake, self.tolerance);
-        let solve = |any: bool, (i, row): (usize, &mut JointRow)| {
-            let changed = wake.visit(first + i, &[], row.shadows) && row.solve(shadows, tolerance);
-            if changed {
-                wake.change(&[], row.shadows);
-            }
-            any | changed
-        };
-        let rows = self.joints.iter_mut().enumerate();
-        if reversed {
-            rows.rev().fold(false, solve)
-        } else {
-            rows.fold(false, solve)
-        }
+        let (shadows, tolerance) = (&mut *self.shadows, self.tolerance);
+        self.wake.pass(first, self.joints, reversed, |row| {
+            row.solve(shadows, tolerance)
+        })
     }
 
     fn start_warm(&mut self) {

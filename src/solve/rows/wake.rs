@@ -3,7 +3,7 @@
 //! In a heap at rest most rows are settled after one visit, and a few take all passes. Visiting only those makes a pass
 //! cost what there is to do.
 
-use super::Term;
+use super::{JointRow, RigidRow, Term};
 use crate::math::DMat3;
 use crate::solve::shadow::Shadow;
 
@@ -62,5 +62,42 @@ impl Wake {
                 self.shadows[shadow as usize] = self.now;
             }
         }
+    }
+
+    /// A pass over rows between two shadows, of which `first` is the number of the first. Says whether one changed.
+    pub fn pass<R: Between>(
+        &mut self,
+        first: usize,
+        rows: &mut [R],
+        reversed: bool,
+        mut solve: impl FnMut(&mut R) -> bool,
+    ) -> bool {
+        let mut any = false;
+        for n in 0..rows.len() {
+            let i = if reversed { rows.len() - 1 - n } else { n };
+            let row = &mut rows[i];
+            if self.visit(first + i, &[], row.shadows()) && solve(row) {
+                self.change(&[], row.shadows());
+                any = true;
+            }
+        }
+        any
+    }
+}
+
+/// A row between two shadows.
+pub(super) trait Between {
+    fn shadows(&self) -> [u32; 2];
+}
+
+impl Between for RigidRow {
+    fn shadows(&self) -> [u32; 2] {
+        self.shadows
+    }
+}
+
+impl Between for JointRow {
+    fn shadows(&self) -> [u32; 2] {
+        self.shadows
     }
 }

@@ -3,6 +3,7 @@
 
 mod attached;
 mod carried;
+mod heap;
 mod impact;
 mod rest;
 mod soft;
