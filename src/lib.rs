@@ -5,7 +5,8 @@
 //! Rapier's colliders, with every force and every joule accounted for. The README shows the shortest example, the scenes
 //! and the limits.
 #![warn(missing_docs)]
-#![forbid(unsafe_code)]
+// Only `solve::kernel::vector` may.
+#![deny(unsafe_code)]
 
 pub use rapier3d;
 
@@ -35,7 +36,7 @@ pub mod prelude {
     };
     pub use crate::record::Recorder;
     pub use crate::shape::{filled, lattice, rope, sheet};
-    pub use crate::solve::Integrator;
+    pub use crate::solve::{Integrator, Kernel};
     pub use crate::world::{
         AttachTo, Attachment, AttachmentHandle, Deformable, DeformableBuilder, DeformableFilter,
         DeformableHandle, DeformableHooks, DeformableOverlap, DeformableParameters,

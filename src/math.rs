@@ -12,7 +12,7 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 mod pack;
 
-pub use pack::{Pack, WIDTH};
+pub use pack::{LANES, Pack, Packed, WIDTH, Wide};
 
 /// What laws compute with: a [`Scalar`], or several of them side by side, see [`Pack`].
 pub trait Number:
@@ -137,7 +137,7 @@ scalar!(f64, 1e-8);
 
 /// `a + b` and what rounding took from it (Knuth's two-sum): `a + b == sum + error` exactly.
 #[inline(always)]
-pub fn two_sum<S: Scalar>(a: S, b: S) -> (S, S) {
+pub fn two_sum<S: Number>(a: S, b: S) -> (S, S) {
     let sum = a + b;
     let b_part = sum - a;
     (sum, (a - (sum - b_part)) + (b - b_part))

@@ -45,6 +45,31 @@ fn every_module_uses_only_the_floors_below() {
     assert!(violations.is_empty(), "\n{}", violations.join("\n"));
 }
 
+/// Where unsafe code may be: vectors by intrinsics, and the rows they are fetched from.
+const UNSAFE: &[&str] = &["solve/kernel/vector.rs", "solve/kernel/vector/x86.rs"];
+
+#[test]
+fn only_the_vectors_are_unsafe() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut files = Vec::new();
+    collect(&src, &mut files);
+    let unsafe_files: Vec<PathBuf> = files
+        .iter()
+        .filter(|file| {
+            let code = without_text(&fs::read_to_string(file).unwrap());
+            ["unsafe", "unsafe_code"]
+                .iter()
+                .any(|word| words(&code, word).next().is_some())
+        })
+        .map(|file| file.strip_prefix(&src).unwrap().to_path_buf())
+        .collect();
+    // The crate root forbids it to all others.
+    let allowed = UNSAFE.iter().chain(&["lib.rs"]).map(PathBuf::from);
+    let mut allowed: Vec<PathBuf> = allowed.collect();
+    allowed.sort();
+    assert_eq!(unsafe_files, allowed);
+}
+
 #[test]
 fn the_checker_sees_violations() {
     let found = |file: &str, text: &str| check(Path::new(file), text);

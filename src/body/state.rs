@@ -29,8 +29,8 @@ pub struct State<S> {
     pub origin: DVec3,
     /// The nodes.
     pub particles: Vec<Particle<S>>,
-    /// Low-order part of each position \[m\].
-    pub low: Vec<[S; 3]>,
+    /// Low-order part of each position \[m\], the fourth number 0.
+    pub low: Vec<[S; 4]>,
     /// Current rest length of each spring \[m\].
     pub rest: Vec<S>,
     /// Accumulated plastic elongation Σ|ΔL_p| of each spring \[m\].
@@ -57,7 +57,7 @@ impl<S: Scalar> State<S> {
         let rest: Vec<S> = rest.into_iter().collect();
         Self {
             origin: DVec3::ZERO,
-            low: vec![[S::ZERO; 3]; particles.len()],
+            low: vec![[S::ZERO; 4]; particles.len()],
             flow: vec![S::ZERO; rest.len()],
             broken: vec![false; rest.len()],
             particles,

@@ -4,10 +4,11 @@
 //! Hardening is isotropic: both yield forces grow by H per metre of accumulated plastic elongation α = Σ|ΔL_p|.
 //! No branch: an elastic spring has infinite yield forces, and `inverse` = 1/(k + H) is 0 for a broken one.
 
-use crate::math::Scalar;
+use crate::math::Number;
 
 /// Where a spring yields.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub struct Yield<S> {
     /// Yield force in tension before any flow \[N\].
     pub tension: S,
@@ -30,7 +31,7 @@ pub struct Mapped<S> {
 
 /// Brings the trial tension `k·e` of a spring that has flowed by `accumulated` ≥ 0 \[m\] back to its yield surface.
 #[inline(always)]
-pub fn return_map<S: Scalar>(
+pub fn return_map<S: Number>(
     stiffness: S,
     elongation: S,
     accumulated: S,
@@ -50,7 +51,7 @@ pub fn return_map<S: Scalar>(
 /// Work dissipated by a flow \[J\]: the mean of the tension before and after it, times the flow. `last` is what the
 /// tension was before the flow \[N\]; it can't have been beyond the surface the flow ended on.
 #[inline(always)]
-pub fn work<S: Scalar>(last: S, mapped: &Mapped<S>) -> S {
+pub fn work<S: Number>(last: S, mapped: &Mapped<S>) -> S {
     let most = mapped.tension.abs();
     let last = last.min(most).max(-most);
     S::of(0.5) * (last + mapped.tension) * mapped.flow

@@ -1,28 +1,28 @@
 //! The axial spring: Hooke tension, axial damping and stored energy.
 
-use crate::math::Scalar;
+use crate::math::Number;
 
 /// Tension k·e \[N\] of stiffness k \[N/m\] at elongation e \[m\]; negative in compression.
 #[inline(always)]
-pub fn tension<S: Scalar>(stiffness: S, elongation: S) -> S {
+pub fn tension<S: Number>(stiffness: S, elongation: S) -> S {
     stiffness * elongation
 }
 
 /// Damping tension c·ė \[N\] at damping c \[N·s/m\] and rate of elongation ė \[m/s\].
 #[inline(always)]
-pub fn damping<S: Scalar>(damping: S, rate: S) -> S {
+pub fn damping<S: Number>(damping: S, rate: S) -> S {
     damping * rate
 }
 
 /// Stored energy ½·k·e² \[J\].
 #[inline(always)]
-pub fn energy<S: Scalar>(stiffness: S, elongation: S) -> S {
+pub fn energy<S: Number>(stiffness: S, elongation: S) -> S {
     S::of(0.5) * stiffness * elongation * elongation
 }
 
 /// What a section \[m²\] and a length \[m\] make of a modulus \[Pa\] or a viscosity \[Pa·s\]: k = E·A/L, c = η·A/L.
 #[inline(always)]
-pub fn of_section<S: Scalar>(modulus: S, section: S, length: S) -> S {
+pub fn of_section<S: Number>(modulus: S, section: S, length: S) -> S {
     modulus * section / length
 }
 

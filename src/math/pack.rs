@@ -6,8 +6,24 @@
 use super::{Number, Scalar};
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-/// How many elements go side by side.
+/// How many scalars a pack has.
 pub const WIDTH: usize = 4;
+
+/// How many scalars tables have side by side, whatever the width they are computed in.
+pub const LANES: usize = 16;
+
+/// [`LANES`] scalars of a table, read in parts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C, align(64))]
+pub struct Wide<S = f32>(pub [S; LANES]);
+
+/// Some scalars side by side.
+pub trait Packed<S>: Number {
+    /// The scalars from lane `part`·[`Number::LANES`] on.
+    fn load(from: &Wide<S>, part: usize) -> Self;
+    /// Writes to those lanes.
+    fn store(self, to: &mut Wide<S>, part: usize);
+}
 
 /// [`WIDTH`] scalars.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,6 +137,19 @@ impl<S: Scalar> Number for Pack<S> {
     #[inline(always)]
     fn above(self, other: Self, this: Self, that: Self) -> Self {
         lanes!(i => if self.0[i] > other.0[i] { this.0[i] } else { that.0[i] })
+    }
+}
+
+impl<S: Scalar> Packed<S> for Pack<S> {
+    #[inline(always)]
+    fn load(from: &Wide<S>, part: usize) -> Self {
+        let from = &from.0[WIDTH * part..][..WIDTH];
+        lanes!(i => from[i])
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut Wide<S>, part: usize) {
+        to.0[WIDTH * part..][..WIDTH].copy_from_slice(&self.0);
     }
 }
 

@@ -1,9 +1,10 @@
-//! The force pass over springs.
+//! The force pass over springs: by the kernels of [`super::kernel`] where the scalar is `f32`, else by a scalar loop.
 //!
 //! One loop for every kind of spring: what a body lacks (damping, limits) is left out by a constant parameter of the
 //! function, not by a branch per spring. Elastic and damping forces are kept apart per node because the energy ledger
 //! needs the work of damping by itself, and that is known only when the velocity after the substep is.
 
+use super::kernel::{self, Kernel, of_f32_mut};
 use super::springs::SpringTable;
 use crate::body::state::{Particle, State};
 use crate::law::{plastic, spring};
@@ -38,8 +39,42 @@ pub(crate) struct LimitEvent<S> {
     pub energy: S,
 }
 
-/// Adds the force of every spring to its nodes. With `commit`, which is the time since the last commit \[s\], plastic flow
-/// and breaking are written to the state; without, they only limit the force, as the inner stages of a scheme need.
+/// Writes the force of springs, and of drag D \[N·s/m\], on every node. With `commit`, which is the time since the last commit
+/// \[s\], plastic flow and breaking are written to the state; without, they only limit the force, as the inner stages of a
+/// scheme need.
+pub(crate) fn spring_forces<S: Scalar>(
+    kernel: Kernel,
+    table: &mut SpringTable<S>,
+    state: &mut State<S>,
+    forces: &mut Vec<Force<S>>,
+    events: &mut Vec<LimitEvent<S>>,
+    (commit, drag): (Option<S>, S),
+) -> Happened {
+    if let (Some(table), Some(state), Some(forces), Some(events)) = (
+        of_f32_mut(table),
+        of_f32_mut(state),
+        of_f32_mut::<_, Vec<_>>(forces),
+        of_f32_mut(events),
+    ) {
+        let settings = (commit.map(|h| h.f64() as f32), drag.f64() as f32);
+        let done = kernel::spring_forces(kernel, table, state, forces, events, settings);
+        if let Some(happened) = done {
+            return happened;
+        }
+    }
+    forces.fill(Force::default());
+    if drag > S::ZERO {
+        for (f, p) in forces.iter_mut().zip(&state.particles) {
+            for k in 0..3 {
+                f.damping[k] = -(drag * p.v[k]);
+            }
+        }
+    }
+    add_spring_forces(table, state, forces, events, commit)
+}
+
+/// The scalar pass: adds the force of every spring to its nodes. For scalars other than `f32`, and what the kernels are
+/// checked against.
 pub(crate) fn add_spring_forces<S: Scalar>(
     table: &mut SpringTable<S>,
     state: &mut State<S>,
@@ -117,7 +152,6 @@ fn pass<S: Scalar, const LIMITED: bool, const COMMIT: bool, const DAMPED: bool>(
     h: S,
 ) -> Happened {
     let mut happened = Happened::default();
-    let mut plastic_work = S::ZERO;
     let old_events = events.len();
     let particles = &state.particles[..];
     let links = &table.links[..];
@@ -148,7 +182,7 @@ fn pass<S: Scalar, const LIMITED: bool, const COMMIT: bool, const DAMPED: bool>(
                     // The trapezoid, as for every other work: the tension of the last commit follows from the rate.
                     let rate = dot_lanes(sub(velocity(b), velocity(a)), n);
                     let last = link.stiffness * (elongation - h * rate);
-                    plastic_work += plastic::work(last, &mapped);
+                    happened.plastic += plastic::work(last, &mapped).f64();
                     if flows[i] == S::ZERO {
                         events.push(event(false));
                     }
@@ -173,10 +207,6 @@ fn pass<S: Scalar, const LIMITED: bool, const COMMIT: bool, const DAMPED: bool>(
         add_to(&mut forces[ia].elastic, pull);
         add_to(&mut forces[ib].elastic, scale(pull, -S::ONE));
     }
-    for event in events[old_events..].iter().filter(|e| e.broke) {
-        state.broken[event.spring as usize] = true;
-        table.cut(event.spring as usize);
-    }
-    happened.plastic = plastic_work.f64();
+    table.cut_broken(state, &events[old_events..]);
     happened
 }

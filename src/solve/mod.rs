@@ -5,6 +5,7 @@ pub mod external;
 pub mod fem;
 pub mod forces;
 pub mod integrate;
+pub mod kernel;
 pub mod rows;
 pub mod shadow;
 pub mod solver;
@@ -15,4 +16,5 @@ pub mod statics;
 pub mod work;
 
 pub use integrate::Integrator;
+pub use kernel::Kernel;
 pub use solver::Solver;

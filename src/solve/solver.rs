@@ -6,9 +6,10 @@
 
 use super::external::{External, ForceField};
 use super::fem::Part;
-use super::forces::{Force, LimitEvent, add_spring_forces, dot, three};
+use super::forces::{Force, LimitEvent, dot, spring_forces, three};
 use super::integrate::Integrator;
-use super::springs::SpringTable;
+use super::kernel::Kernel;
+use super::springs::{Rows, SpringTable};
 use super::work::Work;
 use crate::body::NodeId;
 use crate::body::net::Spring;
@@ -33,12 +34,15 @@ use crate::math::{DVec3, Scalar, Vector};
 pub struct Solver<S> {
     pub(crate) table: SpringTable<S>,
     pub(crate) part: Option<Part<S>>,
+    /// With which vectors it computes, where its scalar is `f32`.
+    pub kernel: Kernel,
     /// Gravity, drag and node forces.
     pub external: External<S>,
     /// Work done so far.
     pub work: Work,
     /// Simulated time \[s\].
     pub time: f64,
+    /// One for each node, and one more that means nothing.
     pub(crate) forces: Vec<Force<S>>,
     /// Sum of node forces and field at each node; empty when there are none.
     pub(crate) applied: Vec<[S; 3]>,
@@ -51,13 +55,14 @@ pub struct Solver<S> {
 }
 
 impl<S: Scalar> Solver<S> {
-    /// A solver for resolved springs (rest lengths and constants set).
+    /// A solver for resolved springs (rest lengths and constants set) and a state that only it changes: rest lengths, flow and
+    /// what has broken are read here and then kept track of.
     pub fn new(springs: &[Spring], state: &State<S>) -> Self {
         let table = SpringTable::new(springs, state);
         Self {
             events: Vec::with_capacity(2 * table.limits.len()),
             table,
-            forces: vec![Force::default(); state.particles.len()],
+            forces: vec![Force::default(); state.particles.len() + 1],
             ..Self::default()
         }
     }
@@ -74,6 +79,18 @@ impl<S: Scalar> Solver<S> {
     pub(crate) fn is_damped(&self) -> bool {
         let elements = self.part.as_ref().is_some_and(|p| p.model.is_damped());
         self.table.damped || elements || self.external.drag > S::ZERO
+    }
+
+    /// Bytes of the tables of springs once it has made a substep: what one without yielding reads, and all of them.
+    pub fn table_bytes(&self) -> [usize; 2] {
+        let own = size_of_val(&self.table.links[..]) + size_of_val(&self.table.limits[..]);
+        match &self.table.rows {
+            Rows::Made(sell) => {
+                let [hot, all] = sell.bytes();
+                [hot, all + own]
+            }
+            _ => [own; 2],
+        }
     }
 
     /// One whole substep of h s without contact.
@@ -157,25 +174,17 @@ impl<S: Scalar> Solver<S> {
         field: Option<&dyn ForceField>,
         commit: Option<S>,
     ) {
-        self.forces.fill(Force::default());
-        let drag = self.external.drag;
-        if drag > S::ZERO {
-            for (f, p) in self.forces.iter_mut().zip(&state.particles) {
-                for k in 0..3 {
-                    f.damping[k] = -(drag * p.v[k]);
-                }
-            }
-        }
         self.evaluate_applied(state, field);
-        let happened = add_spring_forces(
+        let happened = spring_forces(
+            self.kernel,
             &mut self.table,
             state,
             &mut self.forces,
             &mut self.events,
-            commit,
+            (commit, self.external.drag),
         );
         if let Some(part) = &self.part {
-            part.add_forces(&state.particles, &mut self.forces);
+            part.add_forces(self.kernel, &state.particles, &mut self.forces);
         }
         self.work.plastic += happened.plastic;
         self.work.fracture += happened.fracture;

@@ -4,6 +4,8 @@ use crate::body::net::Spring;
 use crate::body::state::State;
 use crate::law::plastic::Yield;
 use crate::math::{Real, Scalar};
+use crate::solve::forces::LimitEvent;
+use crate::solve::kernel::{Sell, of_f32_mut};
 
 /// The elastic and viscous part of a spring.
 #[derive(Clone, Copy, Debug)]
@@ -17,22 +19,38 @@ pub(crate) struct Link<S> {
 
 /// Where a spring flows and breaks.
 #[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
 pub(crate) struct Limit<S> {
     pub yields: Yield<S>,
     /// Tension at which it breaks \[N\].
     pub break_force: S,
     /// Length at which it breaks \[m\].
     pub break_length: S,
+    /// Fills it to a power of two.
+    pub pad: [S; 2],
 }
 
 /// All springs of a body.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SpringTable<S> {
     pub links: Vec<Link<S>>,
-    /// Empty when no spring of the body yields or breaks.
+    /// Empty when no spring of the body yields or breaks; else one for each spring and one more, that of no spring, which never
+    /// does.
     pub limits: Vec<Limit<S>>,
     /// Whether any spring is damped.
     pub damped: bool,
+    pub rows: Rows,
+}
+
+/// The same springs by rows for the kernels, which are for `f32`.
+#[derive(Clone, Debug, Default)]
+pub(crate) enum Rows {
+    /// To be made when they are needed, so that a body may be edited often before it moves.
+    #[default]
+    Later,
+    Made(Box<Sell>),
+    /// Not to be made.
+    Never,
 }
 
 impl<S: Scalar> SpringTable<S> {
@@ -51,11 +69,13 @@ impl<S: Scalar> SpringTable<S> {
         let mut table = Self {
             links: springs.iter().map(link).collect(),
             limits: if limited {
-                springs.iter().map(limit).collect()
+                let none = std::iter::once(Limit::NEVER);
+                springs.iter().map(limit).chain(none).collect()
             } else {
                 Vec::new()
             },
             damped: springs.iter().any(|s| s.damping > 0.0),
+            rows: Rows::Later,
         };
         for (spring, _) in state.broken.iter().enumerate().filter(|(_, b)| **b) {
             table.cut(spring);
@@ -64,15 +84,52 @@ impl<S: Scalar> SpringTable<S> {
     }
 
     /// Takes all force from a spring.
-    pub fn cut(&mut self, spring: usize) {
+    fn cut(&mut self, spring: usize) {
         self.links[spring].stiffness = S::ZERO;
         self.links[spring].damping = S::ZERO;
         if let Some(limit) = self.limits.get_mut(spring) {
-            limit.yields.inverse = S::ZERO;
-            limit.break_force = S::INFINITY;
-            limit.break_length = S::INFINITY;
+            *limit = Limit::NEVER;
         }
     }
+
+    /// Takes all force from the springs that broke, and says so in the state.
+    pub fn cut_broken(&mut self, state: &mut State<S>, events: &[LimitEvent<S>]) {
+        for event in events.iter().filter(|e| e.broke) {
+            let spring = event.spring as usize;
+            state.broken[spring] = true;
+            self.cut(spring);
+            if let Some(table) = of_f32_mut::<_, SpringTable<f32>>(self)
+                && let Rows::Made(sell) = &mut table.rows
+            {
+                sell.cut(spring, &table.links[spring], &table.limits);
+            }
+        }
+    }
+}
+
+impl SpringTable<f32> {
+    /// Makes the rows where there should be some.
+    pub fn make_rows(&mut self, state: &State<f32>) {
+        if matches!(self.rows, Rows::Later) {
+            let sell = Sell::new(&self.links, &self.limits, state);
+            self.rows = sell.map_or(Rows::Never, |sell| Rows::Made(Box::new(sell)));
+        }
+    }
+}
+
+impl<S: Scalar> Limit<S> {
+    /// Of a spring that never yields or breaks.
+    const NEVER: Self = Self {
+        yields: Yield {
+            tension: S::INFINITY,
+            compression: S::INFINITY,
+            hardening: S::ZERO,
+            inverse: S::ZERO,
+        },
+        break_force: S::INFINITY,
+        break_length: S::INFINITY,
+        pad: [S::ZERO; 2],
+    };
 }
 
 fn real<S: Scalar>(x: Real) -> S {
@@ -100,5 +157,6 @@ fn limit<S: Scalar>(s: &Spring) -> Limit<S> {
         },
         break_force: real(s.break_force),
         break_length: S::of(rest * (1.0 + f64::from(s.break_strain))),
+        pad: [S::ZERO; 2],
     }
 }

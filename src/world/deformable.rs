@@ -280,7 +280,7 @@ impl Deformable {
             .particles
             .iter()
             .flat_map(|p| p.x.iter().chain(&p.v))
-            .chain(self.state.low.iter().flatten())
+            .chain(self.state.low.iter().flat_map(|low| &low[..3]))
             .chain(&self.state.rest)
             .chain(&self.state.flow)
             .map(|x| u64::from(x.to_bits()));

@@ -10,7 +10,7 @@ use crate::solve::work::Work;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Start {
     particles: Vec<Particle<Real>>,
-    low: Vec<[Real; 3]>,
+    low: Vec<[Real; 4]>,
     work: Work,
     /// Whether the body has been put back to it in this substep.
     restored: bool,
@@ -20,6 +20,7 @@ impl Deformable {
     /// Fills the solver's forces from outside for the coming rigid step, and leads its kinematic nodes for `remaining` s.
     pub(super) fn prepare(&mut self, gravity: Vector, remaining: f64) {
         self.cache.forget();
+        self.solver.kernel = self.defaults.kernel;
         let gravity = (gravity * self.gravity_scale).to_array();
         if gravity != self.solver.external.gravity {
             self.edit(|body| body.solver.external.gravity = gravity);

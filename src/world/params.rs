@@ -1,7 +1,7 @@
 //! How deformables are stepped. Rapier's own parameters are read and never written.
 
 use crate::body::BuildError;
-use crate::solve::Integrator;
+use crate::solve::{Integrator, Kernel};
 
 /// How many substeps a body gets.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,6 +71,8 @@ pub struct DeformableParameters {
     pub push_out_speed: f64,
     /// The stable substep is found anew at least this often \[s\].
     pub review_interval: f64,
+    /// With which vectors forces are computed. A matter of speed alone: all give the same bits.
+    pub kernel: Kernel,
 }
 
 impl Default for DeformableParameters {
@@ -83,6 +85,7 @@ impl Default for DeformableParameters {
             passes: 4,
             push_out_speed: 0.3,
             review_interval: 1.0 / 240.0,
+            kernel: Kernel::Auto,
         }
     }
 }

@@ -14,7 +14,7 @@
 //! the root.
 
 use super::tensor::{Mat, add_scaled, cofactor, contract, det, from_fn, mul, scale, transpose_mul};
-use crate::math::{Number, WIDTH};
+use crate::math::{LANES, Number};
 
 /// More than this many Newton steps are never needed outside the double root, where the last few change nothing of use.
 const STEPS: usize = 24;
@@ -41,12 +41,14 @@ pub fn rotation<S: Number>(f: &Mat<S>) -> Mat<S> {
     let two = S::of(2.0);
     let t = trace_of_stretch(square, size, contract(&c, &c), j);
     let gap = t * (t * t - square) - two * j;
-    if !gap.all_above(S::of(CLOSE) * square * size) {
-        return one_by_one(f);
-    }
     let sum = scale(f, t * t + square);
     let sum = add_scaled(&sum, -two, &mul(f, &transpose_mul(f, f)));
-    scale(&add_scaled(&sum, two * t, &c), S::ONE / gap)
+    let r = scale(&add_scaled(&sum, two * t, &c), S::ONE / gap);
+    let least = S::of(CLOSE) * square * size;
+    if gap.all_above(least) {
+        return r;
+    }
+    one_by_one(f, &r, S::above(gap, least, S::ONE, S::ZERO))
 }
 
 /// The largest root of (t² − ‖F‖²)² − 4‖cof F‖² − 8·det(F)·t.
@@ -54,26 +56,33 @@ pub fn rotation<S: Number>(f: &Mat<S>) -> Mat<S> {
 fn trace_of_stretch<S: Number>(square: S, size: S, cofactors: S, j: S) -> S {
     let (four, eight) = (S::of(4.0), S::of(8.0));
     let mut root = S::of(3.0_f64.sqrt()) * size;
+    // A lane that has arrived stays, so that its root does not depend on its neighbours.
+    let mut going = S::ONE;
     for _ in 0..STEPS {
         let over = root * root - square;
         let value = over * over - four * cofactors - eight * j * root;
         let slope = four * root * over - eight * j;
         let step = value / slope;
-        root -= step;
-        if (S::of(S::COARSE) * root).all_above(step.abs()) {
+        root -= S::above(going, S::ZERO, step, S::ZERO);
+        going = S::above(S::of(S::COARSE) * root, step.abs(), S::ZERO, going);
+        if S::ONE.all_above(going) {
             break;
         }
     }
     root
 }
 
-/// The rotation of each lane by itself, in `f64`.
+/// The rotation of each lane by itself, in `f64`, where it is not `known`.
 #[cold]
 #[inline(never)]
-fn one_by_one<S: Number>(f: &Mat<S>) -> Mat<S> {
-    let mut lanes = [super::tensor::zero(); WIDTH];
-    for (lane, r) in lanes.iter_mut().enumerate().take(S::LANES) {
-        *r = by_quaternion(&from_fn(|i, j| f[i][j].lane(lane)));
+fn one_by_one<S: Number>(f: &Mat<S>, r: &Mat<S>, known: S) -> Mat<S> {
+    let mut lanes = [super::tensor::zero(); LANES];
+    for (lane, rotation) in lanes.iter_mut().enumerate().take(S::LANES) {
+        *rotation = if known.lane(lane) > 0.0 {
+            from_fn(|i, j| r[i][j].lane(lane))
+        } else {
+            by_quaternion(&from_fn(|i, j| f[i][j].lane(lane)))
+        };
     }
     from_fn(|i, j| S::of_lanes(|lane| lanes[lane][i][j]))
 }

@@ -1,83 +1,136 @@
-//! Elements as the force pass reads them: [`WIDTH`] side by side, front to back.
+//! Elements as the force pass reads them: sixteen side by side, front to back, computed in parts as wide as the vectors are.
 
-use super::elements::{Basis, Elements, Point};
-use crate::math::{Number, Pack, Scalar, WIDTH};
-use crate::solve::forces::Lanes;
+use super::elements::{Basis, Element, Elements, Point};
+use crate::body::BuildError;
+use crate::math::{LANES, Number, Packed, Scalar, Wide};
+use crate::solve::kernel::Places;
 
-/// [`WIDTH`] elements. What is left over in the last block has no volume, and the nodes of its first element.
-#[derive(Clone, Copy, Debug)]
-pub struct Block<S, const N: usize, const G: usize> {
-    /// Node indices, node by node.
-    pub nodes: [[u32; WIDTH]; N],
-    /// Integration points.
-    pub points: [Point<Pack<S>>; G],
-}
+/// Integration points of [`LANES`] elements. What is left over in the last block has no volume, and the nodes of its first
+/// element.
+pub type Block<S, const G: usize> = [Point<Wide<S>>; G];
 
 /// All elements of a body.
 #[derive(Clone, Debug)]
 pub struct Blocks<S, B, const N: usize, const G: usize> {
-    pub(super) list: Vec<Block<S, N, G>>,
+    pub(super) list: Vec<Block<S, G>>,
+    /// Nodes, N slots for each block.
+    pub(super) places: Places,
+    count: usize,
     kind: std::marker::PhantomData<B>,
+}
+
+/// As many elements as a vector has lanes: the block and the part of it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Batch {
+    /// Which block.
+    pub block: usize,
+    /// Which part of it.
+    pub part: usize,
 }
 
 impl<S: Scalar, B: Basis<N, G>, const N: usize, const G: usize> Blocks<S, B, N, G> {
     /// The elements in their order.
-    pub fn new(elements: &Elements<B, N, G>) -> Self {
-        let block = |group: &[super::elements::Element<N, G>]| {
+    ///
+    /// # Errors
+    /// [`BuildError::Value`] for more nodes than there are indices.
+    pub fn new(elements: &Elements<B, N, G>) -> Result<Self, BuildError> {
+        let mut places = Places::new(elements.node_count).ok_or(BuildError::Value {
+            what: "the number of nodes",
+            value: elements.node_count as f64,
+            must: "less than 2^27",
+        })?;
+        let block = |group: &[Element<N, G>]| {
             let lane = |l: usize| group.get(l).unwrap_or(&group[0]);
-            Block {
-                nodes: std::array::from_fn(|a| std::array::from_fn(|l| lane(l).nodes[a])),
-                points: std::array::from_fn(|g| Point {
-                    inverse: std::array::from_fn(|i| {
-                        std::array::from_fn(|j| Pack::of_lanes(|l| lane(l).points[g].inverse[i][j]))
-                    }),
-                    volume: Pack::of_lanes(|l| group.get(l).map_or(0.0, |e| e.points[g].volume)),
-                }),
+            for a in 0..N {
+                places.push(std::array::from_fn(|l| lane(l).nodes[a]));
             }
+            let wide =
+                |value: &dyn Fn(usize) -> f64| Wide(std::array::from_fn(|l| S::of(value(l))));
+            std::array::from_fn(|g| Point {
+                inverse: std::array::from_fn(|i| {
+                    std::array::from_fn(|j| wide(&|l| lane(l).points[g].inverse[i][j]))
+                }),
+                volume: wide(&|l| group.get(l).map_or(0.0, |e| e.points[g].volume)),
+            })
         };
-        Self {
-            list: elements.list.chunks(WIDTH).map(block).collect(),
+        Ok(Self {
+            list: elements.list.chunks(LANES).map(block).collect(),
+            places,
+            count: elements.list.len(),
             kind: std::marker::PhantomData,
+        })
+    }
+
+    /// All elements, as many at a time as there are lanes in `V`.
+    #[inline(always)]
+    pub(super) fn parts<V: Number>(&self) -> impl Iterator<Item = Batch> + use<S, B, V, N, G> {
+        let each = LANES / V::LANES;
+        let parts = self.count.div_ceil(V::LANES);
+        (0..parts).map(move |p| Batch {
+            block: p / each,
+            part: p % each,
+        })
+    }
+
+    /// How many lanes of a part are elements.
+    #[inline(always)]
+    pub(super) fn filled<V: Number>(&self, at: Batch) -> usize {
+        (self.count - LANES * at.block - V::LANES * at.part).min(V::LANES)
+    }
+
+    /// An integration point of a part.
+    #[inline(always)]
+    pub(super) fn point<V: Packed<S>>(&self, at: Batch, point: usize) -> Point<V> {
+        let point = &self.list[at.block][point];
+        let mut inverse = [[V::ZERO; 3]; 3];
+        for i in 0..3 {
+            for j in 0..3 {
+                inverse[i][j] = V::load(&point.inverse[i][j], at.part);
+            }
         }
+        Point {
+            inverse,
+            volume: V::load(&point.volume, at.part),
+        }
+    }
+
+    /// A node of the element in a lane.
+    #[inline(always)]
+    pub(super) fn node<V: Number>(&self, at: Batch, node: usize, lane: usize) -> usize {
+        self.places
+            .row(N * at.block + node, V::LANES * at.part + lane)
+    }
+
+    /// Values at the nodes less the value at the first, which keeps the digits of `f32` positions.
+    #[inline(always)]
+    pub(super) fn gather<V: Packed<S>>(
+        &self,
+        at: Batch,
+        value: impl Fn(usize) -> [S; 3],
+    ) -> [[V; 3]; N] {
+        let mut packs = [[V::ZERO; 3]; N];
+        for (node, pack) in packs.iter_mut().enumerate() {
+            let mut lanes = [Wide([S::ZERO; LANES]); 3];
+            for l in 0..V::LANES {
+                let v = value(self.node::<V>(at, node, l));
+                for d in 0..3 {
+                    lanes[d].0[l] = v[d];
+                }
+            }
+            *pack = [0, 1, 2].map(|d| V::load(&lanes[d], 0));
+        }
+        relative(packs)
     }
 }
 
-impl<S: Scalar, const N: usize, const G: usize> Block<S, N, G> {
-    /// Values at its nodes less the value at the first, which keeps the digits of `f32` positions.
-    #[inline(always)]
-    pub(super) fn gather(&self, value: impl Fn(usize) -> [S; 3]) -> [[Pack<S>; 3]; N] {
-        let mut packs = [[Pack::ZERO; 3]; N];
-        for (pack, nodes) in packs.iter_mut().zip(&self.nodes) {
-            for (l, node) in nodes.iter().enumerate() {
-                let v = value(*node as usize);
-                for d in 0..3 {
-                    pack[d].0[l] = v[d];
-                }
-            }
-        }
-        let first = packs[0];
-        for pack in &mut packs {
-            for d in 0..3 {
-                pack[d] -= first[d];
-            }
-        }
-        packs
-    }
-
-    /// Takes two kinds of forces from the nodes, lane by lane.
-    #[inline(always)]
-    pub(super) fn scatter(
-        &self,
-        first: &[[Pack<S>; 3]; N],
-        second: &[[Pack<S>; 3]; N],
-        add: &mut impl FnMut(usize, Lanes<S>, Lanes<S>),
-    ) {
-        for ((nodes, first), second) in self.nodes.iter().zip(first).zip(second) {
-            for (l, node) in nodes.iter().enumerate() {
-                let first = [-first[0].0[l], -first[1].0[l], -first[2].0[l], S::ZERO];
-                let second = [-second[0].0[l], -second[1].0[l], -second[2].0[l], S::ZERO];
-                add(*node as usize, first, second);
-            }
+/// Values less the first.
+#[inline(always)]
+pub(super) fn relative<V: Number, const N: usize>(mut values: [[V; 3]; N]) -> [[V; 3]; N] {
+    let first = values[0];
+    for value in &mut values {
+        for d in 0..3 {
+            value[d] -= first[d];
         }
     }
+    values
 }

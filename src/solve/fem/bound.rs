@@ -80,15 +80,17 @@ impl<S: Scalar> Moments<S> {
     ) -> Rates {
         let mut rates = Rates::default();
         let forms = self.forms.chunks_exact(G * (G + 1) / 2);
-        for (b, ((block, iso), forms)) in blocks.list.iter().zip(&self.iso).zip(forms).enumerate() {
-            let x = B::gradients(&block.gather(&position));
-            let most: [Majorant<_>; G] =
-                std::array::from_fn(|g| majorant(&mul(&x[g], &block.points[g].inverse)));
+        let parts = blocks.parts::<Pack<S>>();
+        for (b, ((at, iso), forms)) in parts.zip(&self.iso).zip(forms).enumerate() {
+            let x = B::gradients(&blocks.gather::<Pack<S>>(at, &position));
+            let most: [Majorant<_>; G] = std::array::from_fn(|g| {
+                majorant(&mul(&x[g], &blocks.point::<Pack<S>>(at, g).inverse))
+            });
             let bound = combine(&most, *iso, forms);
             if Pack::of(rates.largest).all_above(bound) {
                 continue;
             }
-            for l in 0..WIDTH {
+            for l in 0..blocks.filled::<Pack<S>>(at) {
                 let value = bound.lane(l);
                 // NaN is the fastest of all.
                 if value > rates.largest || value.is_nan() {
@@ -99,14 +101,6 @@ impl<S: Scalar> Moments<S> {
                 }
             }
         }
-        // The first element stands in for what is left over in the last block.
-        let last = blocks.list.len().saturating_sub(1) * WIDTH;
-        rates.element = rates.element.map(|e| {
-            let filled = blocks.list.last().is_some_and(|b| {
-                e as usize <= last || b.points[0].volume.lane(e as usize - last) > 0.0
-            });
-            if filled { e } else { last as u32 }
-        });
         rates
     }
 }

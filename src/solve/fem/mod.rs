@@ -2,7 +2,8 @@
 //!
 //! Gradients are taken at rest, once: F = Σ x⊗∇N, P(F), f = −Σ w·P·∇N at each integration point. Nothing is
 //! rebuilt as the body moves, large turns cost nothing, and what an element needs (nodes, inverse Jacobian, weight) lies
-//! in one flat array read front to back, four elements side by side. The loop is compiled once per kind of element and law;
+//! in one flat array read front to back, as many elements side by side as the processor's vectors have lanes, see
+//! [`super::kernel`]. The loop is compiled once per kind of element and law;
 //! no element looks at its own kind. Forces on nodes sum exactly to zero but for rounding, because the gradients of the shape functions do.
 //!
 //! **The element to prefer is the quadratic tet**, ten nodes and four points. Linear tets bend by a jagged constant
@@ -21,6 +22,7 @@ mod blocks;
 mod bound;
 mod eigen;
 mod elements;
+mod kernel;
 mod mass;
 mod model;
 mod part;

@@ -5,6 +5,7 @@
 use super::blocks::Blocks;
 use super::bound::{Moments, Rates};
 use super::elements::{Elements, Linear, Quadratic};
+use super::pass::{Field, Functions};
 use super::stiffness::element_matrix;
 use super::stress::Stress;
 use super::{mass, pass, stress};
@@ -13,8 +14,7 @@ use crate::law::elastic::tensor::unit;
 use crate::law::elastic::{
     Corotational, Elastic, Lame, NeoHookean, StVenantKirchhoff, StableNeoHookean, Viscous,
 };
-use crate::math::{Number, Pack, Scalar};
-use crate::solve::forces::{Lanes, three};
+use crate::math::{Number, Pack, Packed, Scalar};
 
 #[derive(Clone, Debug)]
 enum Kind<S> {
@@ -78,12 +78,12 @@ impl<S: Scalar> Model<S> {
         let kind = match &mesh.tets {
             Tets::Linear(_) => {
                 let elements = Elements::new(mesh)?;
-                let blocks = Blocks::new(&elements);
+                let blocks = Blocks::new(&elements)?;
                 Kind::Linear(elements, blocks)
             }
             Tets::Quadratic(_) => {
                 let elements = Elements::new(mesh)?;
-                let blocks = Blocks::new(&elements);
+                let blocks = Blocks::new(&elements)?;
                 Kind::Quadratic(elements, blocks)
             }
         };
@@ -123,31 +123,45 @@ impl<S: Scalar> Model<S> {
         position: impl Fn(usize) -> [S; 3],
         mut add: impl FnMut(usize, [S; 3]),
     ) {
-        self.add_elastic_lanes(position, |n, f| add(n, three(f)));
+        let mut field = Functions {
+            position,
+            velocity: |_| [S::ZERO; 3],
+            add: |n, elastic, _| add(n, elastic),
+        };
+        self.add_forces::<Pack<S>, false>(&mut field);
     }
 
-    /// The same in four lanes.
-    #[inline]
-    pub(crate) fn add_elastic_lanes(
-        &self,
-        position: impl Fn(usize) -> [S; 3],
-        add: impl FnMut(usize, Lanes<S>),
-    ) {
-        by_kind!(self, (_, b) => by_law!(self, Pack<S>, law => pass::add_elastic(b, &law, position, add)));
-    }
-
-    /// Gives every node the elastic force of its elements and the stiffness-proportional damping force \[N\], in four lanes. The
-    /// mass-proportional one, −α·m·v, needs no elements.
-    #[inline]
-    pub(crate) fn add_damped_lanes(
+    /// Gives every node the elastic force of its elements and the stiffness-proportional damping force \[N\]. The mass-proportional
+    /// one, −α·m·v, needs no elements.
+    pub(crate) fn add_damped(
         &self,
         position: impl Fn(usize) -> [S; 3],
         velocity: impl Fn(usize) -> [S; 3],
-        add: impl FnMut(usize, Lanes<S>, Lanes<S>),
+        add: impl FnMut(usize, [S; 3], [S; 3]),
     ) {
+        let mut field = Functions {
+            position,
+            velocity,
+            add,
+        };
+        self.add_forces::<Pack<S>, true>(&mut field);
+    }
+
+    /// The same by vectors `V` in any field: with damping where there is some.
+    #[inline(always)]
+    pub(super) fn add_by<V: Packed<S>>(&self, field: &mut impl Field<S, V>) {
+        if self.solid.stiffness_damping > 0.0 {
+            self.add_forces::<V, true>(field);
+        } else {
+            self.add_forces::<V, false>(field);
+        }
+    }
+
+    #[inline(always)]
+    fn add_forces<V: Packed<S>, const DAMPED: bool>(&self, field: &mut impl Field<S, V>) {
         let viscous = Viscous::proportional(self.solid.stiffness_damping, self.lame);
-        by_kind!(self, (_, b) => by_law!(self, Pack<S>, law => {
-            pass::add_damped(b, (&law, &viscous), position, velocity, add);
+        by_kind!(self, (_, b) => by_law!(self, V, law => {
+            pass::add_forces::<S, V, _, _, _, _, DAMPED>(b, (&law, &viscous), field);
         }));
     }
 

@@ -1,10 +1,12 @@
 //! The elements of a body as its solver holds them.
 
 use super::bound::{Moments, Rates};
+use super::kernel;
 use super::model::Model;
 use crate::body::state::Particle;
 use crate::math::Scalar;
-use crate::solve::forces::{Force, add_to};
+use crate::solve::forces::Force;
+use crate::solve::kernel::{Kernel, of_f32, of_f32_mut};
 use std::sync::Arc;
 
 /// Elements, and what the bound on their fastest mode needs to know of the masses. Copies of a body share both.
@@ -30,17 +32,27 @@ impl<S: Scalar> Part<S> {
     }
 
     /// Adds the elastic and damping force of every element to its nodes.
-    pub(crate) fn add_forces(&self, particles: &[Particle<S>], forces: &mut [Force<S>]) {
-        if self.model.solid().stiffness_damping > 0.0 {
-            let add = |n: usize, elastic, damping| {
-                add_to(&mut forces[n].elastic, elastic);
-                add_to(&mut forces[n].damping, damping);
-            };
-            let model = &self.model;
-            model.add_damped_lanes(|n| particles[n].x, |n| particles[n].v, add);
+    pub(crate) fn add_forces(
+        &self,
+        kernel: Kernel,
+        particles: &Vec<Particle<S>>,
+        forces: &mut Vec<Force<S>>,
+    ) {
+        if let (Some(model), Some(particles), Some(forces)) = (
+            of_f32(&*self.model),
+            of_f32::<_, Vec<_>>(particles),
+            of_f32_mut::<_, Vec<_>>(forces),
+        ) {
+            kernel::add_forces(kernel, model, particles, forces);
         } else {
-            let add = |n: usize, elastic| add_to(&mut forces[n].elastic, elastic);
-            self.model.add_elastic_lanes(|n| particles[n].x, add);
+            let add = |n: usize, elastic: [S; 3], damping: [S; 3]| {
+                for k in 0..3 {
+                    forces[n].elastic[k] += elastic[k];
+                    forces[n].damping[k] += damping[k];
+                }
+            };
+            let (x, v) = (|n: usize| particles[n].x, |n: usize| particles[n].v);
+            self.model.add_damped(x, v, add);
         }
         let alpha = S::of(self.model.solid().mass_damping);
         if alpha > S::ZERO {

@@ -1,67 +1,127 @@
 //! The passes over elements: forces, damping, energy.
 //!
-//! Positions, velocities and forces are reached through functions of a node, so that the same loop reads a state of
-//! particles, a vector of unknowns or a test's array, and is inlined into each. Forces come in four lanes, the last of them
-//! zero: added as one vector they cost half as much as one by one.
+//! The force passes are one text for vectors of any width. Nodes are reached through a [`Field`]: rows of particles that
+//! the kernels fetch, or functions of a node for a state of another scalar, a vector of unknowns or a test's array. Each
+//! element's forces are added in the order of elements, so all widths give the same bits.
 
-use super::blocks::Blocks;
+use super::blocks::{Batch, Blocks};
 use super::elements::{Basis, Elements};
-use crate::law::elastic::tensor::{mul, mul_transpose, scale, zero};
+use crate::law::elastic::tensor::{Mat, mul, mul_transpose, scale, zero};
 use crate::law::elastic::{Elastic, Viscous};
-use crate::math::{Number, Pack, Scalar};
-use crate::solve::forces::Lanes;
+use crate::math::{Packed, Scalar};
 
-/// Gives every node the elastic force of its elements \[N\]; `position` \[m\] and `add` are called with node indices.
-#[inline]
-pub(crate) fn add_elastic<S, B, L, const N: usize, const G: usize>(
+/// Where a pass finds positions and velocities, and where its forces go.
+pub(crate) trait Field<S: Scalar, V: Packed<S>> {
+    /// Positions \[m\] of the nodes of some elements, less that of their first node.
+    fn positions<B: Basis<N, G>, const N: usize, const G: usize>(
+        &self,
+        blocks: &Blocks<S, B, N, G>,
+        at: Batch,
+    ) -> [[V; 3]; N];
+    /// Velocities \[m/s\] likewise.
+    fn velocities<B: Basis<N, G>, const N: usize, const G: usize>(
+        &self,
+        blocks: &Blocks<S, B, N, G>,
+        at: Batch,
+    ) -> [[V; 3]; N];
+    /// Takes forces \[N\] from the nodes, elastic ones and those of damping.
+    fn take<B: Basis<N, G>, const N: usize, const G: usize, const DAMPED: bool>(
+        &mut self,
+        blocks: &Blocks<S, B, N, G>,
+        at: Batch,
+        elastic: &[[V; 3]; N],
+        damping: &[[V; 3]; N],
+    );
+}
+
+/// Gives every node the elastic force of its elements \[N\], and with `DAMPED` the damping force; the two are kept apart because
+/// an energy ledger wants the work of damping by itself.
+#[inline(always)]
+pub(crate) fn add_forces<S, V, B, L, const N: usize, const G: usize, const DAMPED: bool>(
     blocks: &Blocks<S, B, N, G>,
-    law: &L,
-    position: impl Fn(usize) -> [S; 3],
-    mut add: impl FnMut(usize, Lanes<S>),
+    (law, viscous): (&L, &Viscous<V>),
+    field: &mut impl Field<S, V>,
 ) where
     S: Scalar,
+    V: Packed<S>,
     B: Basis<N, G>,
-    L: Elastic<Pack<S>>,
+    L: Elastic<V>,
 {
-    for block in &blocks.list {
-        let x = B::gradients(&block.gather(&position));
-        let mut forces = [zero(); G];
-        for (g, point) in block.points.iter().enumerate() {
-            let stress = law.stress(&mul(&x[g], &point.inverse));
-            forces[g] = scale(&mul_transpose(&stress, &point.inverse), point.volume);
+    for at in blocks.parts::<V>() {
+        let x = B::gradients(&field.positions(blocks, at));
+        let mut v = [zero(); G];
+        if DAMPED {
+            v = B::gradients(&field.velocities(blocks, at));
         }
-        let none = [[Pack::ZERO; 3]; N];
-        block.scatter(&B::collect(&forces), &none, &mut |n, f, _| add(n, f));
+        let (mut elastic, mut damping) = ([zero(); G], [zero(); G]);
+        for g in 0..G {
+            let point = blocks.point::<V>(at, g);
+            let f = mul(&x[g], &point.inverse);
+            let of = |stress: Mat<V>| scale(&mul_transpose(&stress, &point.inverse), point.volume);
+            elastic[g] = of(law.stress(&f));
+            if DAMPED {
+                damping[g] = of(viscous.stress(&f, &mul(&v[g], &point.inverse)));
+            }
+        }
+        let elastic = B::collect(&elastic);
+        let mut resistance = [[V::ZERO; 3]; N];
+        if DAMPED {
+            resistance = B::collect(&damping);
+        }
+        field.take::<B, N, G, DAMPED>(blocks, at, &elastic, &resistance);
     }
 }
 
-/// Gives every node the elastic and the damping force of its elements \[N\]; `add` is called with both, which are kept apart
-/// because an energy ledger wants the work of damping by itself.
-#[inline]
-pub(crate) fn add_damped<S, B, L, const N: usize, const G: usize>(
-    blocks: &Blocks<S, B, N, G>,
-    (law, viscous): (&L, &Viscous<Pack<S>>),
-    position: impl Fn(usize) -> [S; 3],
-    velocity: impl Fn(usize) -> [S; 3],
-    mut add: impl FnMut(usize, Lanes<S>, Lanes<S>),
-) where
+/// A field of functions of a node.
+pub(crate) struct Functions<X, V, A> {
+    /// Position \[m\].
+    pub position: X,
+    /// Velocity \[m/s\].
+    pub velocity: V,
+    /// Called with a node and its forces \[N\], elastic and damping.
+    pub add: A,
+}
+
+impl<S, P, X, V, A> Field<S, P> for Functions<X, V, A>
+where
     S: Scalar,
-    B: Basis<N, G>,
-    L: Elastic<Pack<S>>,
+    P: Packed<S>,
+    X: Fn(usize) -> [S; 3],
+    V: Fn(usize) -> [S; 3],
+    A: FnMut(usize, [S; 3], [S; 3]),
 {
-    for block in &blocks.list {
-        let x = B::gradients(&block.gather(&position));
-        let v = B::gradients(&block.gather(&velocity));
-        let mut elastic = [zero(); G];
-        let mut damping = [zero(); G];
-        for (g, point) in block.points.iter().enumerate() {
-            let f = mul(&x[g], &point.inverse);
-            let rate = mul(&v[g], &point.inverse);
-            let (stress, resistance) = (law.stress(&f), viscous.stress(&f, &rate));
-            elastic[g] = scale(&mul_transpose(&stress, &point.inverse), point.volume);
-            damping[g] = scale(&mul_transpose(&resistance, &point.inverse), point.volume);
+    #[inline(always)]
+    fn positions<B: Basis<N, G>, const N: usize, const G: usize>(
+        &self,
+        blocks: &Blocks<S, B, N, G>,
+        at: Batch,
+    ) -> [[P; 3]; N] {
+        blocks.gather(at, &self.position)
+    }
+
+    #[inline(always)]
+    fn velocities<B: Basis<N, G>, const N: usize, const G: usize>(
+        &self,
+        blocks: &Blocks<S, B, N, G>,
+        at: Batch,
+    ) -> [[P; 3]; N] {
+        blocks.gather(at, &self.velocity)
+    }
+
+    #[inline(always)]
+    fn take<B: Basis<N, G>, const N: usize, const G: usize, const DAMPED: bool>(
+        &mut self,
+        blocks: &Blocks<S, B, N, G>,
+        at: Batch,
+        elastic: &[[P; 3]; N],
+        damping: &[[P; 3]; N],
+    ) {
+        for l in 0..blocks.filled::<P>(at) {
+            for (n, (elastic, damping)) in elastic.iter().zip(damping).enumerate() {
+                let of = |f: &[P; 3]| f.map(|f| S::of(-f.lane(l)));
+                (self.add)(blocks.node::<P>(at, n, l), of(elastic), of(damping));
+            }
         }
-        block.scatter(&B::collect(&elastic), &B::collect(&damping), &mut add);
     }
 }
 

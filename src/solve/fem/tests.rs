@@ -5,6 +5,7 @@ use crate::math::{DVec3, Scalar, Vector};
 use crate::shape::{TetSplit, tet_box};
 use crate::solve::Integrator;
 
+mod kernels;
 mod motion;
 
 /// A unit cube of 2³ cells with its inner node moved: linear, quadratic, quadratic with curved edges inside.

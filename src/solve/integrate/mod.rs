@@ -16,6 +16,7 @@ mod velocity_verlet;
 
 use super::external::ForceField;
 use super::forces::{Force, dot, three};
+use super::kernel::Totals;
 use super::solver::Solver;
 use crate::body::state::{Particle, State};
 use crate::law::stable;
@@ -127,8 +128,8 @@ fn acceleration<S: Scalar>(
 /// Sums of a pass over nodes: work of damping and external forces, and the largest squared speed.
 #[derive(Clone, Copy)]
 struct Sums<S> {
-    damping: S,
-    external: S,
+    damping: f64,
+    external: f64,
     speed_squared: S,
     all_speeds: S,
 }
@@ -136,8 +137,8 @@ struct Sums<S> {
 impl<S: Scalar> Sums<S> {
     fn new() -> Self {
         Self {
-            damping: S::ZERO,
-            external: S::ZERO,
+            damping: 0.0,
+            external: 0.0,
             speed_squared: S::ZERO,
             all_speeds: S::ZERO,
         }
@@ -148,10 +149,10 @@ impl<S: Scalar> Sums<S> {
     fn book(&mut self, p: &Particle<S>, f: &Force<S>, applied: [S; 3], along: [S; 3]) {
         let damping = dot(three(f.damping), along);
         let outside = dot(applied, along);
-        self.damping -= damping;
-        self.external += outside;
+        self.damping -= damping.f64();
+        self.external += outside.f64();
         if p.inv_mass == S::ZERO {
-            self.external -= dot(three(f.elastic), along) + damping + outside;
+            self.external -= (dot(three(f.elastic), along) + damping + outside).f64();
         }
     }
 
@@ -162,9 +163,17 @@ impl<S: Scalar> Sums<S> {
         self.all_speeds += squared;
     }
 
+    /// Adds what a kernel has summed.
+    fn include(&mut self, totals: &Totals) {
+        self.damping += totals.damping;
+        self.external += totals.external;
+        self.speed_squared = self.speed_squared.max(S::of(totals.fastest.into()));
+        self.all_speeds += S::of(totals.all_speeds.into());
+    }
+
     fn flush(self, solver: &mut Solver<S>) {
-        solver.work.damping += self.damping.f64();
-        solver.work.external += self.external.f64();
+        solver.work.damping += self.damping;
+        solver.work.external += self.external;
         // `max` drops NaN, the sum does not.
         solver.speed_squared = if self.all_speeds.is_finite() {
             self.speed_squared

@@ -5,6 +5,7 @@ use super::{Sums, acceleration, applied_at};
 use crate::body::state::State;
 use crate::math::Scalar;
 use crate::solve::external::ForceField;
+use crate::solve::kernel::{self, of_f32, of_f32_mut};
 use crate::solve::solver::Solver;
 
 pub(super) fn predict<S: Scalar>(
@@ -16,7 +17,8 @@ pub(super) fn predict<S: Scalar>(
     solver.evaluate(state, field, Some(h));
     let half = S::of(0.5) * h;
     let mut sums = Sums::new();
-    for i in 0..state.particles.len() {
+    let moved = by_kernel(solver, state, h, &mut sums);
+    for i in moved..state.particles.len() {
         let p = &mut state.particles[i];
         let applied = applied_at(&solver.applied, i);
         let a = acceleration(p, &solver.forces[i], applied, solver.external.gravity);
@@ -36,4 +38,19 @@ pub(super) fn predict<S: Scalar>(
         state.displace(i, [h * v[0], h * v[1], h * v[2]]);
     }
     sums.flush(solver);
+}
+
+/// Moves the first nodes by a kernel, if there is one; how many.
+fn by_kernel<S: Scalar>(
+    solver: &Solver<S>,
+    state: &mut State<S>,
+    h: S,
+    sums: &mut Sums<S>,
+) -> usize {
+    let (Some(solver), Some(state)) = (of_f32(solver), of_f32_mut(state)) else {
+        return 0;
+    };
+    let (moved, totals) = kernel::symplectic_euler(solver, state, h.f64() as f32);
+    sums.include(&totals);
+    moved
 }

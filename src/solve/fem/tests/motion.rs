@@ -25,7 +25,7 @@ fn steps_at_the_bound_stay_bounded() {
                     .collect();
                 for _ in 0..3000 {
                     let mut forces = vec![DVec3::ZERO; x.len()];
-                    model.add_damped_lanes(
+                    model.add_damped(
                         |n| x[n].to_array(),
                         |n| v[n].to_array(),
                         |n, f, d| forces[n] += DVec3::from_slice(&f) + DVec3::from_slice(&d),
@@ -70,7 +70,7 @@ fn v12_dynamic_patch() {
         let h = 0.9 * longest(&model, rates, Integrator::SymplecticEuler);
         for _ in 0..(1.0 / h) as usize {
             let mut forces = vec![[0.0_f32; 3]; x.len()];
-            model.add_damped_lanes(
+            model.add_damped(
                 |n| x[n],
                 |n| v[n],
                 |n, f, d| (0..3).for_each(|i| forces[n][i] += f[i] + d[i]),

@@ -1,0 +1,70 @@
+//! The vector kernels: the force pass over springs and the pass of symplectic Euler over nodes, in `f32`.
+//!
+//! Springs lie in a table of sliced ELLPACK form ([`Sell`]): rows are nodes, sixteen side by side, and each row has all springs
+//! of its node. Both ends of a spring compute it, so forces are written once per node, not added to twice per spring: no
+//! two lanes write to one place, nothing needs to be cleared before, and each sum has one order. Twice the arithmetic is
+//! less than the price of scattering. Differences change sign exactly in floating point, and everything else of a spring is
+//! even in them, so both ends find the same tension to the last bit.
+//!
+//! **Every width gives the same bits**, and those of the scalar pass ([`super::forces`]): a row sums its springs in their order,
+//! products are not fused with sums (which on this memory-bound loop gains next to nothing), and square roots and quotients
+//! are exact. So [`Kernel`] is a matter of speed alone.
+
+mod integrate;
+mod limits;
+mod order;
+mod pass;
+mod sell;
+#[cfg(test)]
+mod tests;
+mod vector;
+
+pub(crate) use integrate::{Totals, symplectic_euler};
+pub(crate) use pass::spring_forces;
+pub(crate) use sell::Sell;
+pub(crate) use vector::{Half, Pass, Places, Vector, put_four, run};
+
+use std::any::Any;
+use vector::Width;
+
+/// A value that is generic over the scalar, where the scalar is `f32`, which the kernels are for.
+pub(crate) fn of_f32<T: Any, F: Any>(value: &T) -> Option<&F> {
+    (value as &dyn Any).downcast_ref()
+}
+
+/// The same to be changed.
+pub(crate) fn of_f32_mut<T: Any, F: Any>(value: &mut T) -> Option<&mut F> {
+    (value as &mut dyn Any).downcast_mut()
+}
+
+/// With which vectors forces are computed. All give the same bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Kernel {
+    /// The widest that the processor has.
+    #[default]
+    Auto,
+    /// Four numbers at a time, which every processor of 64 bits has.
+    Portable,
+    /// Eight at a time with AVX2, or what the processor has of it.
+    Avx2,
+    /// Sixteen at a time with AVX-512, or what the processor has of it.
+    Avx512,
+}
+
+impl Kernel {
+    /// What this processor makes of the setting.
+    ///
+    /// ```
+    /// use crumple::solve::Kernel;
+    /// println!("kernel: {}", Kernel::Auto.name());
+    /// assert_eq!(Kernel::Portable.name(), "portable ×4");
+    /// ```
+    pub fn name(self) -> &'static str {
+        match Width::of(self) {
+            Width::Portable => "portable ×4",
+            Width::Avx2 => "AVX2 ×8",
+            Width::Avx512 => "AVX-512 ×16",
+        }
+    }
+}

@@ -1,0 +1,345 @@
+//! Kernels against the scalar pass, bit for bit, on nets without any order.
+
+use super::vector::LANES;
+use super::*;
+use crate::body::net::Spring;
+use crate::body::state::State;
+use crate::solve::springs::Rows;
+use crate::solve::{Integrator, Solver};
+use proptest::prelude::*;
+
+const KERNELS: [Kernel; 3] = [Kernel::Portable, Kernel::Avx2, Kernel::Avx512];
+
+/// Numbers of a linear congruential generator, in [0, 1).
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn below(&mut self, n: usize) -> u32 {
+        (self.next() * n as f64) as u32
+    }
+
+    fn chance(&mut self, p: f64) -> bool {
+        self.next() < p
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Kind {
+    nodes: usize,
+    springs: usize,
+    damped: bool,
+    limited: bool,
+}
+
+/// A net of springs between any two nodes of a box, some nodes in one place, some pinned, some springs broken before.
+fn net(kind: Kind, seed: u64) -> (Vec<Spring>, State<f32>) {
+    let mut r = Numbers(seed);
+    let mut places: Vec<[f32; 3]> = Vec::new();
+    for _ in 0..kind.nodes {
+        let place = [0; 3].map(|_| r.next() as f32);
+        let place = if !places.is_empty() && r.chance(0.1) {
+            places[r.below(places.len()) as usize]
+        } else {
+            place
+        };
+        places.push(place);
+    }
+    let mut springs = Vec::new();
+    while springs.len() < kind.springs {
+        let (a, b) = (r.below(kind.nodes), r.below(kind.nodes));
+        if a == b {
+            continue;
+        }
+        let length = (0..3)
+            .map(|k| (places[a as usize][k] - places[b as usize][k]).powi(2))
+            .sum::<f32>()
+            .sqrt();
+        let mut spring = Spring::new(a, b, 100.0 + 900.0 * r.next() as f32)
+            .rest_length(length * (0.9 + 0.2 * r.next() as f32) + 1e-3);
+        if kind.damped && r.chance(0.7) {
+            spring.damping = 0.1 * r.next() as f32;
+        }
+        if kind.limited && r.chance(0.6) {
+            spring.yield_tension = 20.0 * r.next() as f32;
+            spring.yield_compression = 20.0 * r.next() as f32;
+            spring.hardening = if r.chance(0.5) { 50.0 } else { 0.0 };
+        }
+        if kind.limited && r.chance(0.2) {
+            spring.break_strain = 0.2 * r.next() as f32;
+        }
+        if kind.limited && r.chance(0.1) {
+            spring.break_force = 40.0 * r.next() as f32;
+        }
+        springs.push(spring);
+    }
+    let nodes = places.iter().map(|&place| {
+        let inv_mass = if r.chance(0.1) {
+            0.0
+        } else {
+            0.5 + r.next() as f32
+        };
+        (place, [0; 3].map(|_| r.next() as f32 - 0.5), inv_mass)
+    });
+    let nodes: Vec<_> = nodes.collect();
+    let rest: Vec<f32> = springs.iter().map(|s| s.rest_length.unwrap()).collect();
+    let mut state = State::new(nodes, rest);
+    for broken in &mut state.broken {
+        *broken = r.chance(0.05);
+    }
+    (springs, state)
+}
+
+/// A run, and all that must not depend on the kernel in it.
+#[derive(Debug, PartialEq)]
+struct Outcome {
+    floats: Vec<u32>,
+    broken: Vec<bool>,
+    events: Vec<(u32, bool, u32, u32)>,
+}
+
+impl Outcome {
+    fn first_difference(&self, other: &Self) -> Option<(usize, f32, f32)> {
+        let both = self.floats.iter().zip(&other.floats).enumerate();
+        let mut different = both.filter(|(_, (a, b))| a != b);
+        let (i, (a, b)) = different.next()?;
+        Some((i, f32::from_bits(*a), f32::from_bits(*b)))
+    }
+}
+
+fn outcome(solver: &Solver<f32>, state: &State<f32>) -> Outcome {
+    let nodes = state
+        .particles
+        .iter()
+        .flat_map(|p| p.x.into_iter().chain(p.v));
+    let forces = solver.forces[..state.particles.len()].iter();
+    let three = |lanes: [f32; 4]| lanes.into_iter().take(3);
+    let forces = forces.flat_map(|f| three(f.elastic).chain(three(f.damping)));
+    let springs = state.rest.iter().chain(&state.flow).copied();
+    let low = state.low.iter().flatten().copied();
+    let events = solver.events.iter();
+    Outcome {
+        floats: nodes
+            .chain(forces)
+            .chain(springs)
+            .chain(low)
+            // Zeros of either sign are one.
+            .map(|x| (x + 0.0).to_bits())
+            .collect(),
+        broken: state.broken.clone(),
+        events: events
+            .map(|e| (e.spring, e.broke, e.tension.to_bits(), e.energy.to_bits()))
+            .collect(),
+    }
+}
+
+fn run_net(
+    (springs, state): &(Vec<Spring>, State<f32>),
+    kernel: Option<Kernel>,
+    integrator: Integrator,
+    drag: f32,
+) -> (Outcome, Solver<f32>) {
+    let mut state = state.clone();
+    let mut solver = Solver::new(springs, &state);
+    solver.external.gravity = [0.0, -9.81, 0.0];
+    solver.external.drag = drag;
+    match kernel {
+        Some(kernel) => solver.kernel = kernel,
+        None => solver.table.rows = Rows::Never,
+    }
+    for _ in 0..40 {
+        solver.substep(&mut state, integrator, 2e-3);
+        assert_copies_agree(&solver, &state);
+    }
+    (outcome(&solver, &state), solver)
+}
+
+/// Both copies of every spring are the same, and as the state has them.
+fn assert_copies_agree(solver: &Solver<f32>, state: &State<f32>) {
+    let Rows::Made(sell) = &solver.table.rows else {
+        return;
+    };
+    let Some(limits) = &sell.limits else { return };
+    let mut copies = vec![0; state.rest.len()];
+    for slot in 0..sell.which.len() {
+        for lane in 0..LANES {
+            let spring = limits.springs.row(slot, lane);
+            if spring == state.rest.len() {
+                assert_eq!(limits.flow[slot].0[lane], 0.0);
+                continue;
+            }
+            copies[spring] += 1;
+            assert_eq!(
+                limits.rest[slot].0[lane].to_bits(),
+                state.rest[spring].to_bits()
+            );
+            assert_eq!(
+                limits.flow[slot].0[lane].to_bits(),
+                state.flow[spring].to_bits()
+            );
+        }
+    }
+    for (copies, broken) in copies.into_iter().zip(&state.broken) {
+        assert_eq!(copies, if *broken { 0 } else { 2 });
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(60))]
+    #[test]
+    fn every_kernel_gives_the_bits_of_the_scalar_pass(
+        seed in any::<u64>(),
+        nodes in 2_usize..80,
+        per_node in 0.5..6.0_f64,
+        damped in any::<bool>(),
+        limited in any::<bool>(),
+        drag in prop::sample::select(vec![0.0_f32, 0.3]),
+        integrator in prop::sample::select(Integrator::ALL.to_vec()),
+    ) {
+        let springs = (nodes as f64 * per_node) as usize;
+        let net = net(Kind { nodes, springs, damped, limited }, seed);
+        let (reference, scalar) = run_net(&net, None, integrator, drag);
+        let mut works = Vec::new();
+        for kernel in KERNELS {
+            let (outcome, solver) = run_net(&net, Some(kernel), integrator, drag);
+            prop_assert!(outcome == reference, "{}: {:?}", kernel.name(), outcome.first_difference(&reference));
+            works.push(solver.work);
+        }
+        // Sums over nodes and springs go in one order with every kernel, and in another one by one.
+        prop_assert_eq!(works[0], works[1]);
+        prop_assert_eq!(works[0], works[2]);
+        let close = |a: f64, b: f64| (a - b).abs() <= 1e-5 * (1.0 + b.abs());
+        prop_assert!(close(works[0].damping, scalar.work.damping));
+        prop_assert!(close(works[0].plastic, scalar.work.plastic));
+        prop_assert!(close(works[0].fracture, scalar.work.fracture));
+        prop_assert!(close(works[0].external, scalar.work.external));
+    }
+}
+
+#[test]
+fn the_random_nets_yield_and_break() {
+    let kind = Kind {
+        nodes: 60,
+        springs: 240,
+        damped: true,
+        limited: true,
+    };
+    let net = net(kind, 1);
+    let (end, _) = run_net(&net, Some(Kernel::Auto), Integrator::SymplecticEuler, 0.0);
+    let broke = end.events.iter().filter(|e| e.1).count();
+    assert!(broke > 5 && end.events.len() > broke + 20, "{broke}");
+}
+
+#[test]
+fn a_node_force_is_applied_by_every_kernel() {
+    let kind = Kind {
+        nodes: 37,
+        springs: 100,
+        damped: false,
+        limited: false,
+    };
+    let (springs, state) = net(kind, 5);
+    let run = |kernel: Option<Kernel>| {
+        let mut state = state.clone();
+        let mut solver = Solver::new(&springs, &state);
+        solver.external.node_forces = (0..37).map(|i| [i as f32, 1.0, -0.5]).collect();
+        match kernel {
+            Some(kernel) => solver.kernel = kernel,
+            None => solver.table.rows = Rows::Never,
+        }
+        solver.substep(&mut state, Integrator::SymplecticEuler, 1e-3);
+        outcome(&solver, &state)
+    };
+    let reference = run(None);
+    for kernel in KERNELS {
+        assert!(run(Some(kernel)) == reference, "{}", kernel.name());
+    }
+}
+
+#[test]
+fn what_is_not_finite_shows_in_the_speed() {
+    let springs = [Spring::new(0, 1, 10.0).rest_length(1.0)];
+    for bad in [f32::NAN, f32::INFINITY] {
+        for kernel in KERNELS {
+            let nodes = (0..40).map(|i| ([i as f32, 0.0, 0.0], [0.0; 3], 1.0));
+            let mut state = State::new(nodes, [1.0]);
+            let mut solver = Solver::new(&springs, &state);
+            solver.kernel = kernel;
+            solver.substep(&mut state, Integrator::SymplecticEuler, 1e-3);
+            assert!(solver.speed_squared.is_finite());
+            state.particles[7].v[1] = bad;
+            solver.substep(&mut state, Integrator::SymplecticEuler, 1e-3);
+            assert!(!solver.speed_squared.is_finite(), "{}", kernel.name());
+        }
+    }
+}
+
+#[test]
+fn a_mesh_without_order_is_visited_along_itself() {
+    // A rope of 3000 nodes numbered at random.
+    let mut r = Numbers(9);
+    let mut names: Vec<u32> = (0..3000).collect();
+    for i in (1..3000).rev() {
+        names.swap(i, r.below(i + 1) as usize);
+    }
+    let springs = (0..2999).map(|i| (i as u32, [names[i], names[i + 1]]));
+    let rows = order::Adjacency::new(3000, springs).rows();
+    let mut place = vec![0; 3000];
+    for (at, &node) in rows.iter().enumerate() {
+        place[node as usize] = at as u32;
+    }
+    let apart = |i: usize| place[names[i] as usize].abs_diff(place[names[i + 1] as usize]);
+    // All but those at the borders of windows, where rows of fewer springs go last, are neighbours.
+    let near = (0..2999).filter(|&i| apart(i) <= 2).count();
+    assert!(near > 2980, "{near}");
+    let mut sorted = rows.clone();
+    sorted.sort_unstable();
+    assert!(sorted.iter().enumerate().all(|(i, &n)| i == n as usize));
+}
+
+#[test]
+fn tables_too_short_are_refused() {
+    let mut places = vector::Places::new(3).unwrap();
+    places.push([2; LANES]);
+    let rows = [crate::solve::forces::Force::<f32>::default(); 3];
+    assert!(places.of(&rows).is_some());
+    assert!(places.of(&rows[..2]).is_none());
+    assert!(vector::Places::new(usize::MAX / 32).is_none());
+}
+
+#[test]
+fn the_tables_are_lean() {
+    use crate::body::{Blueprint, Material};
+    use crate::math::Vector;
+    use crate::shape::{TetSplit, lattice, tet_box};
+    let elastic = Material::elastic(1e6, 100.0);
+    let plastic = elastic.yielding(1e4, 1e4).viscosity(10.0);
+    let bytes = |net, material| {
+        let blueprint = Blueprint::resolve(net, |_| Some(material), None).unwrap();
+        let mut state = blueprint.rest_state();
+        let mut solver = Solver::new(&blueprint.springs, &state);
+        solver.substep(&mut state, Integrator::SymplecticEuler, 1e-6);
+        let springs = blueprint.springs.len();
+        solver.table_bytes().map(|b| b as f64 / springs as f64)
+    };
+    let regular = || lattice(Vector::ONE, 0.05).unwrap();
+    let tets = || tet_box(Vector::ONE, 0.1, TetSplit::Five).unwrap().springs();
+    // Few constants are distinct in a regular net, and all are in one of tets.
+    for (net, material, [hot, all]) in [
+        (regular(), elastic, [16.0, 40.0]),
+        (regular(), plastic, [28.0, 112.0]),
+        (tets(), elastic, [32.0, 64.0]),
+        (tets(), plastic, [48.0, 128.0]),
+    ] {
+        let found = bytes(net, material);
+        println!("{found:?}");
+        assert!(found[0] < hot && found[1] < all, "{found:?}");
+    }
+}
