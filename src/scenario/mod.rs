@@ -10,6 +10,7 @@ pub mod catalog;
 pub mod cradle;
 pub mod drop;
 pub mod figures;
+pub mod file;
 pub mod gripper;
 pub mod pile;
 pub mod pole;
