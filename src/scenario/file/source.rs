@@ -3,8 +3,69 @@
 use super::parse::MOST_BYTES;
 use std::path::{Path, PathBuf};
 
-/// The scenes that come with the crate.
-pub(crate) const EMBEDDED: &[(&str, &str)] = &include!("embedded.in");
+macro_rules! embedded {
+    ($($name:literal),* $(,)?) => {
+        &[$((concat!($name, ".ron"), include_str!(concat!("../../../assets/scenes/", $name, ".ron")))),*]
+    };
+}
+
+/// The scenes that come with the crate and what they include, by their paths below `assets/scenes`.
+pub(crate) const EMBEDDED: &[(&str, &str)] = embedded![
+    "parts/slope",
+    "bar_on_wall",
+    "cantilever_tets",
+    "catenary",
+    "column",
+    "damped_oscillator",
+    "drop",
+    "equal_bars",
+    "free_fall",
+    "hanging_rope",
+    "motor",
+    "oscillator",
+    "pendulum",
+    "pile",
+    "pulse",
+    "rotor",
+    "rubber_drop",
+    "sliding_block",
+    "slope_slip",
+    "slope_stick",
+    "thin_plate",
+    "tow_rope",
+    "weight",
+    "yield_spring",
+];
+
+/// The names of the scenes that come with the crate.
+pub fn embedded_names() -> impl Iterator<Item = &'static str> + Clone {
+    let names = EMBEDDED
+        .iter()
+        .filter_map(|(file, _)| file.strip_suffix(".ron"));
+    names.filter(|name| !name.contains('/'))
+}
+
+/// The name of a scene that comes with the crate that is nearest to `name`, if one is near.
+pub fn nearest_embedded(name: &str) -> Option<&'static str> {
+    super::problem::nearest(name, embedded_names())
+}
+
+/// The scene files of a folder with their names, in the order of the names; folders within it are not looked at.
+///
+/// # Errors
+/// Those of reading the folder.
+pub fn scenes_in(folder: impl AsRef<Path>) -> std::io::Result<Vec<(String, PathBuf)>> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder)? {
+        let path = entry?.path();
+        let ending = path.extension().and_then(|e| e.to_str());
+        if let (Some("ron" | "json"), Some(name)) = (ending, path.file_stem()) {
+            found.push((name.to_string_lossy().into_owned(), path));
+        }
+    }
+    found.sort();
+    Ok(found)
+}
 
 /// Where files are read from.
 pub(crate) enum Source<'a> {

@@ -71,6 +71,8 @@ choice! {
         First(Channel);
         /// Last value of a channel.
         Final(Channel);
+        /// Last value of a channel minus its first.
+        Change(Channel);
         /// Value of a channel at a time, straight between samples.
         At {
             /// The channel.
@@ -143,6 +145,7 @@ impl Quantity {
             | Self::Mean(c)
             | Self::First(c)
             | Self::Final(c)
+            | Self::Change(c)
             | Self::PeakTime(c)
             | Self::Integral(c)
             | Self::Period(c)

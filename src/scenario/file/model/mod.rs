@@ -86,6 +86,7 @@ pub fn reference() -> Vec<Entry> {
         RigidKind::KEYS,
         Collider::KEYS,
         Shape::KEYS,
+        shape::Placed::KEYS,
         Mesh::KEYS,
         Rule::KEYS,
         Groups::KEYS,
