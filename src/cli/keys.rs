@@ -29,6 +29,7 @@ pub fn print(of: Option<&str>) -> Result<(), Failure> {
 
 fn line(e: &Entry) -> String {
     let doc = e.doc.split_whitespace().collect::<Vec<_>>().join(" ");
+    let doc = doc.replace('\\', "");
     let value = match (e.kind, e.default) {
         ("", _) => String::new(),
         (kind, "") => format!(": {kind}"),

@@ -203,21 +203,17 @@ fn reduced(quantity: &Quantity, series: &Series) -> Measured {
 
 /// A quantity in a few words, for those without a name.
 fn title(quantity: &Quantity) -> String {
-    let shown = match quantity {
-        Quantity::At { channel, time } => format!("at {} s: {}", short(*time), of(channel)),
-        other => {
-            let whole = format!("{other:?}");
-            let end = whole.find(['(', ' ', '{']).unwrap_or(whole.len());
-            let channel = other.channel().map(|c| format!(" of {}", of(c)));
-            match other {
-                Quantity::Crush { of, axis } | Quantity::LastingCrush { of, axis } => {
-                    format!("{} of {of} along {axis:?}", &whole[..end])
-                }
-                _ => format!("{}{}", &whole[..end], channel.unwrap_or_default()),
-            }
+    let whole = format!("{quantity:?}");
+    let end = whole.find(['(', ' ', '{']).unwrap_or(whole.len());
+    let kind = &whole[..end];
+    match (quantity, quantity.channel()) {
+        (Quantity::At { channel, time }, _) => format!("{} at {} s", of(channel), short(*time)),
+        (Quantity::Crush { of, axis } | Quantity::LastingCrush { of, axis }, _) => {
+            format!("{kind} of {of} along {axis:?}")
         }
-    };
-    shown
+        (_, Some(channel)) => format!("{kind} of {}", of(channel)),
+        (_, None) => kind.into(),
+    }
 }
 
 fn of(channel: &Channel) -> String {

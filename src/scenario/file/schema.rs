@@ -15,7 +15,7 @@ pub struct Entry {
     pub kind: &'static str,
     /// Its default; empty for a key that must be there.
     pub default: &'static str,
-    /// What it means, with its unit.
+    /// What it means, with its unit, in Markdown.
     pub doc: &'static str,
 }
 

@@ -179,5 +179,5 @@ fn the_reference_names_every_key() {
         .find(|e| e.owner == "World" && e.key == "dt")
         .unwrap();
     assert_eq!(dt.default, "1.0 / 60.0");
-    assert!(dt.doc.contains("[s]"));
+    assert!(dt.doc.contains("\\[s\\]"));
 }

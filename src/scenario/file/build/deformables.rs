@@ -26,7 +26,7 @@ pub(super) fn insert(
 ) -> Result<(), RunError> {
     let failed = |source| RunError::Deformable {
         name: body.name.clone(),
-        source,
+        source: Box::new(source),
     };
     let (builder, places) = match frame(&body.body, &body.name)? {
         Frame::Net(net) => {
@@ -92,7 +92,7 @@ fn dressed(mut builder: DeformableBuilder, body: &Deformable, places: Places) ->
 fn frame(body: &Body, name: &str) -> Result<Frame, RunError> {
     let failed = |source| RunError::Deformable {
         name: name.into(),
-        source,
+        source: Box::new(source),
     };
     let quadratic_if = |mesh: TetMesh, yes: bool| if yes { mesh.quadratic() } else { mesh };
     let net = match body {

@@ -31,7 +31,7 @@ pub enum RunError {
         /// Which.
         name: String,
         /// Why.
-        source: BuildError,
+        source: Box<BuildError>,
     },
     /// A mesh can't be read.
     #[error("`{name}`: {source}")]
@@ -39,7 +39,7 @@ pub enum RunError {
         /// The body that wants it.
         name: String,
         /// Why.
-        source: ImportError,
+        source: Box<ImportError>,
     },
     /// A collider's shape can't be made.
     #[error("a collider of `{name}`: {what}")]
@@ -186,7 +186,7 @@ pub(super) fn surface(
     use super::model::Mesh;
     let failed = |source| RunError::Mesh {
         name: name.into(),
-        source,
+        source: Box::new(source),
     };
     match mesh {
         Mesh::Hatchback => crate::import::hatchback().map_err(failed),
@@ -212,6 +212,6 @@ pub(super) fn tets(path: &PathBuf, name: &str) -> Result<crate::body::TetMesh, R
     };
     mesh.map_err(|source| RunError::Mesh {
         name: name.into(),
-        source,
+        source: Box::new(source),
     })
 }

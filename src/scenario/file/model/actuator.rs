@@ -16,9 +16,9 @@ choice! {
             on: String, BODY;
             /// Which nodes of a deformable: a formula of x, y, z; all if it is left out.
             nodes: Option<Region> = None;
-            /// The force [N], each component a number, a formula of t [s], or a table of [t, value].
+            /// The force \[N\], each component a number, a formula of t \[s\], or a table of \[t, value\].
             force: [Signal; 3] = Signal::none();
-            /// A torque on a rigid body [N·m].
+            /// A torque on a rigid body \[N·m\].
             torque: [Signal; 3] = Signal::none();
         };
         /// Leads a kinematic body, or the pinned nodes of a deformable, away from where they began.
@@ -27,18 +27,18 @@ choice! {
             of: String, BODY;
             /// Which pinned nodes of a deformable: a formula of x, y, z; all if it is left out.
             nodes: Option<Region> = None;
-            /// How far [m], each component a number, a formula of t [s], or a table of [t, value].
+            /// How far \[m\], each component a number, a formula of t \[s\], or a table of \[t, value\].
             by: [Signal; 3] = Signal::none();
-            /// How far it is turned about its own origin, of a rigid body: an axis, as long as the angle [rad].
+            /// How far it is turned about its own origin, of a rigid body: an axis, as long as the angle \[rad\].
             turn: [Signal; 3] = Signal::none();
         };
         /// Changes what a motor aims at.
         Drive {
             /// The joint; it must have a motor.
             joint: String, JOINT;
-            /// Place [m] or [rad].
+            /// Place \[m\] or \[rad\].
             position: Option<Signal> = None;
-            /// Velocity [m/s] or [rad/s].
+            /// Velocity \[m/s\] or \[rad/s\].
             velocity: Option<Signal> = None;
         };
     }

@@ -50,35 +50,35 @@ record! {
         solid: Option<Made<SolidMaterial>> = None;
         /// Other materials in parts of it; later ones win.
         parts: Vec<Part> = Vec::new(), Length { from: 0, to: 100 };
-        /// Its whole mass [kg]; by volumes and densities if it is left out.
+        /// Its whole mass \[kg\]; by volumes and densities if it is left out.
         mass: Option<f64> = None, POSITIVE;
         /// Which nodes are pinned: a formula of x, y, z.
         pin: Option<Region> = None;
-        /// Where its own frame is [m].
+        /// Where its own frame is \[m\].
         translation: [f64; 3] = [0.0; 3], FINITE;
-        /// How its own frame is turned: an axis, as long as the angle [rad].
+        /// How its own frame is turned: an axis, as long as the angle \[rad\].
         rotation: [f64; 3] = [0.0; 3], FINITE;
-        /// Velocity of its centre of mass [m/s].
+        /// Velocity of its centre of mass \[m/s\].
         linvel: [f64; 3] = [0.0; 3], FINITE;
-        /// Angular velocity about it [rad/s].
+        /// Angular velocity about it \[rad/s\].
         angvel: [f64; 3] = [0.0; 3], FINITE;
         /// Coulomb's μ.
         friction: f64 = 0.5, NOT_NEGATIVE;
         /// How μ combines with that of what it touches.
         friction_rule: Rule = Rule::Average;
-        /// Thickness of its surface [m]: of a sheet, the diameter of a rope.
+        /// Thickness of its surface \[m\]: of a sheet, the diameter of a rope.
         thickness: f64 = 0.0, NOT_NEGATIVE;
-        /// Stiffness of its contacts per node [N/m]; contacts that do not give if it is left out.
+        /// Stiffness of its contacts per node \[N/m\]; contacts that do not give if it is left out.
         contact_stiffness: Option<f64> = None, POSITIVE;
         /// Which things it meets.
-        groups: Groups = Groups::default();
+        groups: Groups = Groups::all();
         /// Which things push it.
-        solver_groups: Groups = Groups::default();
+        solver_groups: Groups = Groups::all();
         /// Its dominance group.
         dominance: i8 = 0;
         /// Factor on gravity.
         gravity_scale: f64 = 1.0, FINITE;
-        /// D in the force −D·v on every node [N·s/m].
+        /// D in the force −D·v on every node \[N·s/m\].
         drag: f64 = 0.0, NOT_NEGATIVE;
         /// Substeps of its own.
         substeps: Option<Substepping> = None;
@@ -103,38 +103,38 @@ choice! {
     pub enum Body {
         /// A box of springs about the origin, with Poisson's ratio ¼.
         Lattice {
-            /// Its sides [m].
+            /// Its sides \[m\].
             size: [f64; 3], POSITIVE;
-            /// Side of a cell [m].
+            /// Side of a cell \[m\].
             cell: f64, POSITIVE;
         };
         /// A sheet of springs in the plane y = 0 about the origin, with Poisson's ratio ⅓.
         Sheet {
-            /// Its sides along x and z [m].
+            /// Its sides along x and z \[m\].
             size: [f64; 2], POSITIVE;
             /// Nodes along x and z.
             nodes: [usize; 2], COUNT;
-            /// Thickness [m].
+            /// Thickness \[m\].
             thickness: f64, POSITIVE;
             /// Share of the stiffness in springs that keep it from folding.
             bending: f64 = 0.1, LESS_THAN_ALL;
         };
         /// A chain of springs.
         Rope {
-            /// Its first node [m].
+            /// Its first node \[m\].
             from: [f64; 3], FINITE;
-            /// Its last node [m].
+            /// Its last node \[m\].
             to: [f64; 3], FINITE;
             /// Springs.
             segments: usize, COUNT;
-            /// Its section [m²].
+            /// Its section \[m²\].
             section: f64, POSITIVE;
         };
         /// A closed surface filled with cells of springs.
         Filled {
             /// The surface.
             mesh: Mesh;
-            /// Side of a cell [m].
+            /// Side of a cell \[m\].
             cell: f64, POSITIVE;
         };
         /// Nodes and springs one by one.
@@ -148,9 +148,9 @@ choice! {
         };
         /// A box of tets about the origin.
         TetBox {
-            /// Its sides [m].
+            /// Its sides \[m\].
             size: [f64; 3], POSITIVE;
-            /// Side of a cell [m].
+            /// Side of a cell \[m\].
             cell: f64, POSITIVE;
             /// How cells are cut.
             split: Split = Split::Five;
@@ -161,7 +161,7 @@ choice! {
         TetFilled {
             /// The surface.
             mesh: Mesh;
-            /// Size of the tets [m].
+            /// Size of the tets \[m\].
             cell: f64, POSITIVE;
             /// Whether tets have ten nodes.
             quadratic: bool = false;
@@ -195,11 +195,11 @@ choice! {
 record! {
     /// A node of a net.
     pub struct NodeSpec {
-        /// Where it is [m].
+        /// Where it is \[m\].
         at: [f64; 3], FINITE;
-        /// Mass [kg].
+        /// Mass \[kg\].
         mass: f64, POSITIVE;
-        /// Velocity beside that of the body [m/s].
+        /// Velocity beside that of the body \[m/s\].
         linvel: [f64; 3] = [0.0; 3], FINITE;
         /// Whether it is held.
         pinned: bool = false;
@@ -211,17 +211,17 @@ record! {
     pub struct SpringSpec {
         /// The two nodes, counted from 0.
         nodes: [u32; 2];
-        /// Stiffness [N/m].
+        /// Stiffness \[N/m\].
         stiffness: f64, POSITIVE;
-        /// Damping [N·s/m].
+        /// Damping \[N·s/m\].
         damping: f64 = 0.0, NOT_NEGATIVE;
-        /// Length without force [m]; the distance of its nodes if it is left out.
+        /// Length without force \[m\]; the distance of its nodes if it is left out.
         rest_length: Option<f64> = None, POSITIVE;
-        /// Force at which it flows, either way [N]; inf for none.
+        /// Force at which it flows, either way \[N\]; inf for none.
         yield_force: f64 = f64::INFINITY, STRENGTH;
-        /// Growth of that force per elongation [N/m].
+        /// Growth of that force per elongation \[N/m\].
         hardening: f64 = 0.0, NOT_NEGATIVE;
-        /// Tension at which it breaks [N]; inf for never.
+        /// Tension at which it breaks \[N\]; inf for never.
         break_force: f64 = f64::INFINITY, STRENGTH;
     }
 }
@@ -239,11 +239,11 @@ record! {
         to: Option<String> = None, BODY;
         /// How they are held.
         hold: Hold = Hold::Weld;
-        /// Point of the world that a pin turns about and moments are taken about [m].
+        /// Point of the world that a pin turns about and moments are taken about \[m\].
         at: Option<[f64; 3]> = None, FINITE;
-        /// Force at which it breaks [N]; inf for never.
+        /// Force at which it breaks \[N\]; inf for never.
         strength: f64 = f64::INFINITY, STRENGTH;
-        /// Moment at which it breaks [N·m]; inf for never.
+        /// Moment at which it breaks \[N·m\]; inf for never.
         moment_strength: f64 = f64::INFINITY, STRENGTH;
     }
 }
@@ -257,9 +257,9 @@ choice! {
         Pin;
         /// Each by a spring of no length.
         Link {
-            /// Stiffness per node [N/m].
+            /// Stiffness per node \[N/m\].
             stiffness: f64, POSITIVE;
-            /// Damping per node [N·s/m].
+            /// Damping per node \[N·s/m\].
             damping: f64 = 0.0, NOT_NEGATIVE;
         };
     }

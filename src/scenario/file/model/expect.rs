@@ -23,7 +23,7 @@ record! {
         within: Option<f64> = None, NOT_NEGATIVE;
         /// Tolerance about `equals`, as a share of it.
         within_share: Option<f64> = None, NOT_NEGATIVE;
-        /// The span of time that a channel is looked at [s]; the whole run if it is left out.
+        /// The span of time that a channel is looked at \[s\]; the whole run if it is left out.
         over: Option<[f64; 2]> = None, FINITE;
         /// The hash that `StateHash` must have, 16 hexadecimal digits.
         hash: Option<String> = None;
@@ -77,23 +77,23 @@ choice! {
         At {
             /// The channel.
             channel: Channel;
-            /// When [s].
+            /// When \[s\].
             time: f64, NOT_NEGATIVE;
         };
-        /// When a channel is largest [s].
+        /// When a channel is largest \[s\].
         PeakTime(Channel);
         /// Integral of a channel over time, in its unit times s.
         Integral(Channel);
-        /// Mean time from one rise through the mean to the next [s].
+        /// Mean time from one rise through the mean to the next \[s\].
         Period(Channel);
-        /// How much shorter a deformable gets along an axis, at the most [m].
+        /// How much shorter a deformable gets along an axis, at the most \[m\].
         Crush {
             /// The deformable.
             of: String, DEFORMABLE;
             /// Along which axis.
             axis: Axis;
         };
-        /// How much shorter a deformable is along an axis at the end [m].
+        /// How much shorter a deformable is along an axis at the end \[m\].
         LastingCrush {
             /// The deformable.
             of: String, DEFORMABLE;
@@ -106,13 +106,13 @@ choice! {
         EnergyResidual;
         /// Largest error of Σ impulses = Δp of any deformable, as a share of Δp.
         MomentumClosure;
-        /// Work of shadows that Rapier did otherwise, summed over its absolute values [J].
+        /// Work of shadows that Rapier did otherwise, summed over its absolute values \[J\].
         CouplingDefect;
         /// Largest rise of the mechanical energy over its lowest so far, as a share of its range.
         EnergyRise;
-        /// Deepest that any node was in anything [m].
+        /// Deepest that any node was in anything \[m\].
         DeepestPenetration;
-        /// Nodes deeper than this in solids at the end [m].
+        /// Nodes deeper than this in solids at the end \[m\].
         NodesThrough(f64, NOT_NEGATIVE);
         /// Springs that have begun to yield.
         Yielded;
@@ -122,13 +122,13 @@ choice! {
         AttachmentsBroken;
         /// Contacts of a deformable that began.
         ContactsBegun;
-        /// From when on nothing was faster than this [m/s] until the end [s]; inf if that was never.
+        /// From when on nothing was faster than this \[m/s\] until the end \[s\]; inf if that was never.
         RestTime(f64, NOT_NEGATIVE);
         /// Rigid bodies asleep at the end.
         Asleep;
         /// 1 if every position and velocity is finite, 0 if not.
         Finite;
-        /// Time that was simulated [s].
+        /// Time that was simulated \[s\].
         Time;
         /// Bit for bit the state of all deformables; with `hash`.
         StateHash;

@@ -16,11 +16,11 @@ record! {
         a: String, RIGID;
         /// The other.
         b: String, RIGID;
-        /// The joint's place on the first body [m].
+        /// The joint's place on the first body \[m\].
         anchor_a: [f64; 3] = [0.0; 3], FINITE;
-        /// The joint's place on the second body [m].
+        /// The joint's place on the second body \[m\].
         anchor_b: [f64; 3] = [0.0; 3], FINITE;
-        /// From where to where it may go [m] or [rad]; of a hinge or a slider.
+        /// From where to where it may go \[m\] or \[rad\]; of a hinge or a slider.
         limits: Option<[f64; 2]> = None, FINITE;
         /// What drives a hinge or a slider.
         motor: Option<Motor> = None;
@@ -41,15 +41,15 @@ choice! {
         Revolute([f64; 3], FINITE);
         /// Sliding along one axis.
         Prismatic([f64; 3], FINITE);
-        /// A distance of at most this [m].
+        /// A distance of at most this \[m\].
         Rope(f64, POSITIVE);
         /// A spring and a damper.
         Spring {
-            /// Length without force [m].
+            /// Length without force \[m\].
             rest_length: f64, NOT_NEGATIVE;
-            /// Stiffness [N/m].
+            /// Stiffness \[N/m\].
             stiffness: f64, POSITIVE;
-            /// Damping [N·s/m].
+            /// Damping \[N·s/m\].
             damping: f64 = 0.0, NOT_NEGATIVE;
         };
     }
@@ -58,15 +58,15 @@ choice! {
 record! {
     /// What drives a joint: a spring and a damper towards a place and a velocity.
     pub struct Motor {
-        /// Place that is aimed at [m] or [rad].
+        /// Place that is aimed at \[m\] or \[rad\].
         position: f64 = 0.0, FINITE;
-        /// Velocity that is aimed at [m/s] or [rad/s].
+        /// Velocity that is aimed at \[m/s\] or \[rad/s\].
         velocity: f64 = 0.0, FINITE;
-        /// Stiffness [N/m] or [N·m/rad].
+        /// Stiffness \[N/m\] or \[N·m/rad\].
         stiffness: f64 = 0.0, NOT_NEGATIVE;
-        /// Damping [N·s/m] or [N·m·s/rad].
+        /// Damping \[N·s/m\] or \[N·m·s/rad\].
         damping: f64 = 0.0, NOT_NEGATIVE;
-        /// Most that it exerts [N] or [N·m].
+        /// Most that it exerts \[N\] or \[N·m\].
         max_force: f64 = 3.4e38, NOT_NEGATIVE;
         /// Whether stiffness and damping are accelerations: per kg, independent of the mass that is moved.
         per_mass: bool = false;

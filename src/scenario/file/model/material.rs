@@ -10,19 +10,19 @@ record! {
     /// What the springs of a deformable are made of. A name in quotes stands for one of `materials`, a word for a preset:
     /// MildSteel, Aluminium, Rubber, PolypropyleneFoam, AluminiumFoam, MildSteelFoam, CarBody.
     pub struct SpringMaterial {
-        /// Young's modulus [Pa].
+        /// Young's modulus \[Pa\].
         young: f64, POSITIVE;
-        /// Density [kg/m³].
+        /// Density \[kg/m³\].
         density: f64, POSITIVE;
-        /// Viscosity [Pa·s].
+        /// Viscosity \[Pa·s\].
         viscosity: f64 = 0.0, NOT_NEGATIVE;
-        /// Yield stress in tension [Pa]; inf for none.
+        /// Yield stress in tension \[Pa\]; inf for none.
         yield_tension: f64 = f64::INFINITY, STRENGTH;
-        /// Yield stress in compression, positive [Pa]; inf for none.
+        /// Yield stress in compression, positive \[Pa\]; inf for none.
         yield_compression: f64 = f64::INFINITY, STRENGTH;
-        /// Growth of the yield stress per plastic strain [Pa].
+        /// Growth of the yield stress per plastic strain \[Pa\].
         hardening: f64 = 0.0, NOT_NEGATIVE;
-        /// Tensile stress at which a spring breaks [Pa]; inf for never.
+        /// Tensile stress at which a spring breaks \[Pa\]; inf for never.
         strength: f64 = f64::INFINITY, STRENGTH;
         /// Tensile strain at which a spring breaks; inf for never.
         break_strain: f64 = f64::INFINITY, STRENGTH;
@@ -32,17 +32,17 @@ record! {
 record! {
     /// What a solid of tets is made of. A name in quotes stands for one of `materials`.
     pub struct SolidMaterial {
-        /// Young's modulus [Pa].
+        /// Young's modulus \[Pa\].
         young: f64, POSITIVE;
         /// Poisson's ratio, above -1 and below 0.5.
         poisson: f64, POISSON;
-        /// Density [kg/m³].
+        /// Density \[kg/m³\].
         density: f64, POSITIVE;
         /// How stress follows from large strains.
         law: Law = Law::Corotational;
-        /// α of Rayleigh's damping [1/s].
+        /// α of Rayleigh's damping \[1/s\].
         mass_damping: f64 = 0.0, NOT_NEGATIVE;
-        /// β of Rayleigh's damping [s].
+        /// β of Rayleigh's damping \[s\].
         stiffness_damping: f64 = 0.0, NOT_NEGATIVE;
     }
 }
@@ -87,14 +87,17 @@ impl<T: Decode + Preset> Decode for Made<T> {
     }
 }
 
+/// A name, and the material it stands for.
+pub(crate) type Named<T> = (&'static str, fn() -> T);
+
 /// A kind of material with presets by name.
 pub(crate) trait Preset: Sized + 'static {
     /// Their names.
-    const PRESETS: &'static [(&'static str, fn() -> Self)];
+    const PRESETS: &'static [Named<Self>];
 }
 
 impl Preset for SpringMaterial {
-    const PRESETS: &'static [(&'static str, fn() -> Self)] = &[
+    const PRESETS: &'static [Named<Self>] = &[
         ("MildSteel", || Material::mild_steel().into()),
         ("Aluminium", || Material::aluminium().into()),
         ("Rubber", || Material::rubber().into()),
@@ -108,7 +111,7 @@ impl Preset for SpringMaterial {
 }
 
 impl Preset for SolidMaterial {
-    const PRESETS: &'static [(&'static str, fn() -> Self)] = &[];
+    const PRESETS: &'static [Named<Self>] = &[];
 }
 
 impl From<Material> for SpringMaterial {

@@ -15,7 +15,7 @@ record! {
         of: Channel;
         /// Factor on its values.
         scale: f64 = 1.0, FINITE;
-        /// Samples per second of a force or an acceleration [Hz]; others come as they are recorded.
+        /// Samples per second of a force or an acceleration \[Hz\]; others come as they are recorded.
         rate: f64 = 10_000.0, RATE;
         /// The filter of SAE J211, for forces and accelerations.
         cfc: Option<Class> = None;
@@ -62,7 +62,7 @@ choice! {
     pub enum Channel {
         /// A probe by its name.
         Probe(String, PROBE);
-        /// Force of a rigid body's collider, a deformable or an attachment on deformables [N].
+        /// Force of a rigid body's collider, a deformable or an attachment on deformables \[N\].
         Force {
             /// What exerts it: a body, a collider, an attachment.
             by: String, PARTNER;
@@ -71,7 +71,7 @@ choice! {
             /// Along which axis.
             axis: Axis;
         };
-        /// Place of a body's centre of mass, or of the mean of some nodes [m].
+        /// Place of a body's centre of mass, or of the mean of some nodes \[m\].
         Position {
             /// The body.
             of: String, BODY;
@@ -80,7 +80,7 @@ choice! {
             /// Along which axis.
             axis: Axis;
         };
-        /// Velocity of a body's centre of mass, or of the mean of some nodes [m/s].
+        /// Velocity of a body's centre of mass, or of the mean of some nodes \[m/s\].
         Velocity {
             /// The body.
             of: String, BODY;
@@ -89,7 +89,7 @@ choice! {
             /// Along which axis.
             axis: Axis;
         };
-        /// Acceleration of a deformable's centre of mass, or of the mean of some nodes [m/s²].
+        /// Acceleration of a deformable's centre of mass, or of the mean of some nodes \[m/s²\].
         Acceleration {
             /// The deformable.
             of: String, DEFORMABLE;
@@ -98,51 +98,51 @@ choice! {
             /// Along which axis.
             axis: Axis;
         };
-        /// Angular velocity of a rigid body [rad/s].
+        /// Angular velocity of a rigid body \[rad/s\].
         Spin {
             /// The body.
             of: String, RIGID;
             /// About which axis.
             axis: Axis;
         };
-        /// Lowest coordinate of any node [m].
+        /// Lowest coordinate of any node \[m\].
         Low {
             /// The deformable.
             of: String, DEFORMABLE;
             /// Along which axis.
             axis: Axis;
         };
-        /// Highest coordinate of any node [m].
+        /// Highest coordinate of any node \[m\].
         High {
             /// The deformable.
             of: String, DEFORMABLE;
             /// Along which axis.
             axis: Axis;
         };
-        /// Extent over all nodes [m].
+        /// Extent over all nodes \[m\].
         Extent {
             /// The deformable.
             of: String, DEFORMABLE;
             /// Along which axis.
             axis: Axis;
         };
-        /// One term of a deformable's energies [J].
+        /// One term of a deformable's energies \[J\].
         Energy {
             /// The deformable.
             of: String, DEFORMABLE;
             /// Which.
             term: Energy;
         };
-        /// Von Mises stress, mean by volume over some tets [Pa].
+        /// Von Mises stress, mean by volume over some tets \[Pa\].
         Stress {
             /// The deformable.
             of: String, DEFORMABLE;
             /// Which tets, by their middles: a formula of x, y, z; all if it is left out.
             at: Option<Region> = None;
         };
-        /// Kinetic, elastic and gravity energy of everything that moves freely [J].
+        /// Kinetic, elastic and gravity energy of everything that moves freely \[J\].
         MechanicalEnergy;
-        /// Speed of the fastest node or rigid body [m/s].
+        /// Speed of the fastest node or rigid body \[m/s\].
         Fastest;
     }
     otherwise probe_by_name

@@ -13,21 +13,21 @@ record! {
         name: String;
         /// What moves it.
         kind: RigidKind = RigidKind::Dynamic;
-        /// Where it is [m].
+        /// Where it is \[m\].
         translation: [f64; 3] = [0.0; 3], FINITE;
-        /// How it is turned: an axis, as long as the angle [rad].
+        /// How it is turned: an axis, as long as the angle \[rad\].
         rotation: [f64; 3] = [0.0; 3], FINITE;
-        /// Velocity of its origin [m/s].
+        /// Velocity of its origin \[m/s\].
         linvel: [f64; 3] = [0.0; 3], FINITE;
-        /// Angular velocity [rad/s].
+        /// Angular velocity \[rad/s\].
         angvel: [f64; 3] = [0.0; 3], FINITE;
         /// Factor on gravity.
         gravity_scale: f64 = 1.0, FINITE;
-        /// Mass beside that of its colliders [kg].
+        /// Mass beside that of its colliders \[kg\].
         additional_mass: f64 = 0.0, NOT_NEGATIVE;
-        /// Damping of its velocity [1/s].
+        /// Damping of its velocity \[1/s\].
         linear_damping: f64 = 0.0, NOT_NEGATIVE;
-        /// Damping of its turning [1/s].
+        /// Damping of its turning \[1/s\].
         angular_damping: f64 = 0.0, NOT_NEGATIVE;
         /// Whether it may fall asleep.
         can_sleep: bool = true;
@@ -63,13 +63,13 @@ record! {
         name: String = String::new();
         /// Its shape.
         shape: Shape;
-        /// Where it is on the body [m].
+        /// Where it is on the body \[m\].
         translation: [f64; 3] = [0.0; 3], FINITE;
-        /// How it is turned on the body: an axis, as long as the angle [rad].
+        /// How it is turned on the body: an axis, as long as the angle \[rad\].
         rotation: [f64; 3] = [0.0; 3], FINITE;
-        /// Its mass [kg]; by its density if it is left out.
+        /// Its mass \[kg\]; by its density if it is left out.
         mass: Option<f64> = None, POSITIVE;
-        /// Density [kg/m³]; the default is Rapier's.
+        /// Density \[kg/m³\]; the default is Rapier's.
         density: f64 = 1.0, NOT_NEGATIVE;
         /// Coulomb's μ.
         friction: f64 = 0.5, NOT_NEGATIVE;
@@ -82,10 +82,10 @@ record! {
         /// Whether it only notices.
         sensor: bool = false;
         /// Which things it meets.
-        groups: Groups = Groups::default();
+        groups: Groups = Groups::all();
         /// Which things it pushes.
-        solver_groups: Groups = Groups::default();
-        /// Distance that rigid bodies keep from it [m].
+        solver_groups: Groups = Groups::all();
+        /// Distance that rigid bodies keep from it \[m\].
         contact_skin: f64 = 0.0, NOT_NEGATIVE;
     }
 }
@@ -119,8 +119,9 @@ record! {
     then groups
 }
 
-impl Default for Groups {
-    fn default() -> Self {
+impl Groups {
+    /// In every group and looking for all.
+    pub const fn all() -> Self {
         Self {
             member: Vec::new(),
             with: Vec::new(),

@@ -15,40 +15,40 @@ const POINTS: Length = Length {
 choice! {
     /// The shape of a collider, about its own origin; the axis of round ones is y.
     pub enum Shape {
-        /// A ball of this radius [m].
+        /// A ball of this radius \[m\].
         Ball(f64, POSITIVE);
         /// A box.
         Cuboid {
-            /// Half its sides [m].
+            /// Half its sides \[m\].
             half: [f64; 3], POSITIVE;
-            /// Radius of its edges, beyond the sides [m].
+            /// Radius of its edges, beyond the sides \[m\].
             border: f64 = 0.0, NOT_NEGATIVE;
         };
         /// A cylinder with round ends.
         Capsule {
-            /// Half the length of the cylinder [m].
+            /// Half the length of the cylinder \[m\].
             half_height: f64, POSITIVE;
-            /// Radius [m].
+            /// Radius \[m\].
             radius: f64, POSITIVE;
             /// Along which axis it lies.
             axis: super::probe::Axis = super::probe::Axis::Y;
         };
         /// A cylinder.
         Cylinder {
-            /// Half its height [m].
+            /// Half its height \[m\].
             half_height: f64, POSITIVE;
-            /// Radius [m].
+            /// Radius \[m\].
             radius: f64, POSITIVE;
-            /// Radius of its edges, beyond [m].
+            /// Radius of its edges, beyond \[m\].
             border: f64 = 0.0, NOT_NEGATIVE;
         };
         /// A cone with its tip up.
         Cone {
-            /// Half its height [m].
+            /// Half its height \[m\].
             half_height: f64, POSITIVE;
-            /// Radius of its base [m].
+            /// Radius of its base \[m\].
             radius: f64, POSITIVE;
-            /// Radius of its edges, beyond [m].
+            /// Radius of its edges, beyond \[m\].
             border: f64 = 0.0, NOT_NEGATIVE;
         };
         /// Everything on one side of a plane through the origin.
@@ -58,50 +58,50 @@ choice! {
         };
         /// A line between two points.
         Segment {
-            /// One end [m].
+            /// One end \[m\].
             a: [f64; 3], FINITE;
-            /// The other [m].
+            /// The other \[m\].
             b: [f64; 3], FINITE;
         };
         /// A triangle.
         Triangle {
-            /// First corner [m].
+            /// First corner \[m\].
             a: [f64; 3], FINITE;
-            /// Second corner [m].
+            /// Second corner \[m\].
             b: [f64; 3], FINITE;
-            /// Third corner [m].
+            /// Third corner \[m\].
             c: [f64; 3], FINITE;
-            /// Radius of its edges [m].
+            /// Radius of its edges \[m\].
             border: f64 = 0.0, NOT_NEGATIVE;
         };
         /// Lines from point to point.
         Polyline {
-            /// The points [m].
+            /// The points \[m\].
             points: Vec<[f64; 3]>, FINITE;
         };
         /// A surface of triangles.
         TriMesh(Mesh);
         /// Heights over a rectangle.
         HeightField {
-            /// Rows along z of heights along x, as many in each [m].
+            /// Rows along z of heights along x, as many in each \[m\].
             heights: Vec<Vec<f64>>, FINITE;
             /// Whole length along x, factor on heights, whole length along z.
             size: [f64; 3], POSITIVE;
         };
         /// The convex hull of points.
         Hull {
-            /// The points [m].
+            /// The points \[m\].
             points: Vec<[f64; 3]>, FINITE;
-            /// Radius of its edges [m].
+            /// Radius of its edges \[m\].
             border: f64 = 0.0, NOT_NEGATIVE;
         };
         /// Convex parts of a closed surface.
         Decomposition(Mesh);
         /// Little boxes on a grid.
         Voxels {
-            /// Sides of one [m].
+            /// Sides of one \[m\].
             size: [f64; 3], POSITIVE;
-            /// Which are there: any point of each [m].
+            /// Which are there: any point of each \[m\].
             points: Vec<[f64; 3]>, FINITE;
         };
         /// Several shapes as one.
@@ -114,9 +114,9 @@ super::super::schema::record! {
     pub struct Placed {
         /// Its shape; not a compound itself.
         shape: Shape;
-        /// Where it is [m].
+        /// Where it is \[m\].
         translation: [f64; 3] = [0.0; 3], FINITE;
-        /// How it is turned: an axis, as long as the angle [rad].
+        /// How it is turned: an axis, as long as the angle \[rad\].
         rotation: [f64; 3] = [0.0; 3], FINITE;
     }
 }
@@ -144,7 +144,7 @@ mod explicit {
     super::super::super::schema::record! {
         /// A surface by its points.
         pub struct Points {
-            /// Vertices [m].
+            /// Vertices \[m\].
             vertices: Vec<[f64; 3]>, FINITE;
             /// Three indices of vertices each, counter-clockwise seen from outside.
             triangles: Vec<[u32; 3]>, POINTS;

@@ -11,11 +11,11 @@ const MOST_STEPS: f64 = 1.0e7;
 record! {
     /// Gravity, time and substeps.
     pub struct World {
-        /// Acceleration of gravity [m/s²].
+        /// Acceleration of gravity \[m/s²\].
         gravity: [f64; 3] = [0.0, -9.81, 0.0], FINITE;
-        /// Step of the world [s].
+        /// Step of the world \[s\].
         dt: f64 = 1.0 / 60.0, STEP;
-        /// Simulated time [s].
+        /// Simulated time \[s\].
         duration: f64 = 1.0, DURATION;
         /// When to stop before that.
         stop: Option<Stop> = None;
@@ -23,15 +23,15 @@ record! {
         substeps: Substepping = Substepping::usual();
         /// How deformables are advanced that have no scheme of their own.
         integrator: Scheme = Scheme::SymplecticEuler;
-        /// Longest step of Rapier while a deformable can touch an awake dynamic body [s]; 0 for every substep.
+        /// Longest step of Rapier while a deformable can touch an awake dynamic body \[s\]; 0 for every substep.
         max_rigid_dt: f64 = 1.0 / 240.0, NOT_NEGATIVE;
         /// Gauss–Seidel passes over the contacts of a substep.
         passes: usize = 4, COUNT;
         /// What `random(i)` in formulas begins with; `--seed` changes it.
         seed: u64 = 0;
-        /// Time between samples of positions and momentum [s].
+        /// Time between samples of positions and momentum \[s\].
         history: f64 = 1.0e-3, super::super::check::INTERVAL;
-        /// Time between samples of the energies [s].
+        /// Time between samples of the energies \[s\].
         energy: f64 = 5.0e-3, super::super::check::INTERVAL;
     }
     then steps
@@ -80,7 +80,7 @@ choice! {
         Auto {
             /// Fraction of the longest stable substep that is used.
             safety: f64 = 0.9, SHARE;
-            /// A body that needs shorter substeps is refused [s].
+            /// A body that needs shorter substeps is refused \[s\].
             min_h: f64 = 1.0e-7, NOT_NEGATIVE;
         };
         /// This many per step; refused where unstable.
@@ -121,9 +121,9 @@ choice! {
     pub enum Stop {
         /// Once no node and no rigid body has been faster than this for a while.
         AtRest {
-            /// Speed [m/s].
+            /// Speed \[m/s\].
             speed: f64 = 1.0e-3, NOT_NEGATIVE;
-            /// How long [s].
+            /// How long \[s\].
             during: f64 = 0.1, NOT_NEGATIVE;
         };
         /// At the first spring or attachment that breaks.
