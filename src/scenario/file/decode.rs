@@ -298,7 +298,10 @@ impl Decode for String {
 
 impl<T: Decode> Decode for Option<T> {
     fn decode(node: &Node, d: &mut Decoder) -> Option<Self> {
-        T::decode(node, d).map(Some)
+        match node.value {
+            Value::Nothing => Some(None),
+            _ => T::decode(node, d).map(Some),
+        }
     }
 }
 

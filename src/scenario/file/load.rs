@@ -14,11 +14,12 @@ use std::path::{Path, PathBuf};
 /// Most files of a scene.
 const MOST_FILES: usize = 64;
 /// Keys whose lists an including file adds to; it replaces everything else.
-const ADDED: [&str; 9] = [
+const ADDED: [&str; 10] = [
     "rigid",
     "joints",
     "deformables",
     "attachments",
+    "sets",
     "no_contact",
     "actuators",
     "probes",

@@ -46,7 +46,7 @@
 //! RON and JSON take that as it is, an editor colours it, and it can't be mistaken, since no place for a number takes a
 //! text. `--set speed=20` on the command line and [`LoadOptions::set`] change a variable. Where nodes are chosen (`pin`,
 //! `parts`, attachments, probes), a formula of `x`, `y`, `z` says which, in the body's own frame, with `min_x` to `max_z`
-//! for its corners; forces and motions over time are numbers, formulas of `t`, or tables of `(t, value)`.
+//! for its corners (a node at 0.6 m is not above 0.6); forces and motions over time are numbers, formulas of `t`, or tables of `(t, value)`.
 //!
 //! # Shared parts
 //! `include: ["parts/car.ron"]` puts the things of other files before the file's own; what stands in both (a variable, a

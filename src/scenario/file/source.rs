@@ -11,6 +11,7 @@ macro_rules! embedded {
 
 /// The scenes that come with the crate and what they include, by their paths below `assets/scenes`.
 pub(crate) const EMBEDDED: &[(&str, &str)] = embedded![
+    "parts/car",
     "parts/slope",
     "bar_on_wall",
     "cantilever_tets",
@@ -25,6 +26,7 @@ pub(crate) const EMBEDDED: &[(&str, &str)] = embedded![
     "oscillator",
     "pendulum",
     "pile",
+    "pole",
     "pulse",
     "rotor",
     "rubber_drop",
@@ -33,6 +35,7 @@ pub(crate) const EMBEDDED: &[(&str, &str)] = embedded![
     "slope_stick",
     "thin_plate",
     "tow_rope",
+    "wall",
     "weight",
     "yield_spring",
 ];

@@ -8,7 +8,7 @@ use super::super::model::{
 use super::rigid::{groups, rule};
 use super::{Places, RunError, scheme, selected, substeps, surface, tets, vector};
 use crate::body::{BuildError, Material, Net, Node, Solid, SolidLaw, Spring, TetMesh};
-use crate::math::{Real, Rotation, Vector, narrow};
+use crate::math::{Pose, Real, Rotation, Vector, narrow};
 use crate::shape;
 use crate::world::{self, AttachTo, DeformableBuilder, DeformableWorld};
 use rapier3d::pipeline::PhysicsWorld;
@@ -19,32 +19,57 @@ enum Frame {
     Tets(TetMesh),
 }
 
+/// Puts in a body; says where its own frame is in the world.
 pub(super) fn insert(
     body: &Deformable,
     world: &mut DeformableWorld,
     cast: &mut Cast,
-) -> Result<(), RunError> {
+) -> Result<Pose, RunError> {
     let failed = |source| RunError::Deformable {
         name: body.name.clone(),
         source: Box::new(source),
     };
-    let (builder, places) = match frame(&body.body, &body.name)? {
+    let (builder, nodes): (_, Vec<Vector>) = match frame(&body.body, &body.name, cast)? {
         Frame::Net(net) => {
-            let places = Places::around(net.nodes.iter().map(|n| n.position));
-            (DeformableBuilder::new(net), places)
+            let nodes = net.nodes.iter().map(|n| n.position).collect();
+            (DeformableBuilder::new(net), nodes)
         }
         Frame::Tets(mesh) => {
-            let places = Places::around(mesh.nodes.iter().copied().map(narrow));
+            let nodes = mesh.nodes.iter().copied().map(narrow).collect();
             let Some(made) = &body.solid else {
                 return Err(failed(BuildError::MaterialForTets));
             };
-            (DeformableBuilder::tets(mesh, solid(&made.0)), places)
+            (DeformableBuilder::tets(mesh, solid(&made.0)), nodes)
         }
     };
-    let handle = world.insert(dressed(builder, body, places));
-    cast.deformables
-        .push((body.name.clone(), handle.map_err(failed)?));
-    Ok(())
+    let pose = pose(body, &nodes);
+    let places = Places::around(nodes.into_iter());
+    let builder = dressed(builder, body, places);
+    let builder = builder
+        .translation(pose.translation)
+        .rotation(pose.rotation);
+    let handle = world.insert(builder).map_err(failed)?;
+    cast.deformables.push((body.name.clone(), handle));
+    Ok(pose)
+}
+
+/// Where a body's own frame stands in the world, given its nodes there.
+fn pose(body: &Deformable, nodes: &[Vector]) -> Pose {
+    let turn = Rotation::from_scaled_axis(vector(body.rotation));
+    let mut shift = vector(body.translation).to_array();
+    if (body.low, body.high) != ([None; 3], [None; 3]) {
+        let start = (Vector::INFINITY, Vector::NEG_INFINITY);
+        let turned = nodes.iter().map(|x| turn * *x);
+        let (lo, hi) = turned.fold(start, |(lo, hi), x| (lo.min(x), hi.max(x)));
+        for axis in 0..3 {
+            if let Some(low) = body.low[axis] {
+                shift[axis] = low as Real - lo[axis];
+            } else if let Some(high) = body.high[axis] {
+                shift[axis] = high as Real - hi[axis];
+            }
+        }
+    }
+    Pose::from_parts(Vector::from_array(shift), turn)
 }
 
 /// The builder with everything else that a scene says of a body.
@@ -75,8 +100,6 @@ fn dressed(mut builder: DeformableBuilder, body: &Deformable, places: Places) ->
         builder = builder.integrator(scheme(own));
     }
     builder
-        .translation(vector(body.translation))
-        .rotation(Rotation::from_scaled_axis(vector(body.rotation)))
         .linvel(vector(body.linvel))
         .angvel(vector(body.angvel))
         .friction(body.friction as Real)
@@ -89,7 +112,7 @@ fn dressed(mut builder: DeformableBuilder, body: &Deformable, places: Places) ->
         .drag(body.drag as Real)
 }
 
-fn frame(body: &Body, name: &str) -> Result<Frame, RunError> {
+fn frame(body: &Body, name: &str, cast: &mut Cast) -> Result<Frame, RunError> {
     let failed = |source| RunError::Deformable {
         name: name.into(),
         source: Box::new(source),
@@ -115,7 +138,12 @@ fn frame(body: &Body, name: &str) -> Result<Frame, RunError> {
         Body::Filled { mesh, cell } => {
             let surface = surface(mesh, name)?;
             few_cells(&surface.vertices, *cell).map_err(failed)?;
-            shape::filled(&surface, *cell as Real)
+            let net = shape::filled(&surface, *cell as Real);
+            if cast.parts.is_empty() {
+                let parts = surface.groups.into_iter();
+                cast.parts = parts.map(|g| (g.name, g.triangles)).collect();
+            }
+            net
         }
         Body::Net {
             nodes,

@@ -11,7 +11,7 @@ use super::super::{Cast, Options, Run};
 use super::model::{Scenario, Scheme, Substepping};
 use crate::body::BuildError;
 use crate::import::ImportError;
-use crate::math::{Real, Vector};
+use crate::math::{Pose, Real, Vector};
 use crate::record::{RecordError, SignalError};
 use crate::solve::Integrator;
 use crate::world::{AttachError, DeformableWorld, Substeps};
@@ -132,13 +132,18 @@ pub(super) fn build(scene: &Scenario) -> Result<Built, RunError> {
     params.integrator = scheme(&scene.world.integrator);
     params.max_rigid_dt = scene.world.max_rigid_dt;
     params.passes = scene.world.passes;
+    let mut frames = Vec::new();
+    for body in &scene.deformables {
+        let frame = deformables::insert(body, &mut deformables, &mut cast)?;
+        frames.push((body.name.as_str(), frame));
+    }
     for rigid in &scene.rigid {
-        rigid::insert(rigid, &mut world, &mut cast)?;
+        let frame = rigid.frame.as_deref();
+        let frame = frames.iter().find(|(name, _)| Some(*name) == frame);
+        let frame = frame.map_or(Pose::IDENTITY, |(_, pose)| *pose);
+        rigid::insert(rigid, frame, &mut world, &mut cast)?;
     }
     let joints = joints::insert(scene, &mut world, &cast);
-    for body in &scene.deformables {
-        deformables::insert(body, &mut deformables, &mut cast)?;
-    }
     deformables::attach(scene, &mut deformables, &world, &mut cast)?;
     let hooks = filter::install(scene, &mut world, &mut deformables, &cast);
     let mut run = Run::new(world, deformables, cast, &scene.options());
@@ -147,6 +152,13 @@ pub(super) fn build(scene: &Scenario) -> Result<Built, RunError> {
     }
     run.recorder.sampling.history = scene.world.history;
     run.recorder.sampling.energy = scene.world.energy;
+    for set in &scene.sets {
+        if let Some(body) = run.cast.deformable(&set.of) {
+            let soft = &run.deformables;
+            let nodes = selected(&soft[body], Some(&set.nodes), "a set", &set.of)?;
+            run.recorder.follow(&set.name, soft, body, nodes)?;
+        }
+    }
     run.view = vector(scene.view);
     run.frame_times = match scene.frames.as_slice() {
         [] => vec![0.0, scene.world.duration],

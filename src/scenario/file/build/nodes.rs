@@ -1,10 +1,13 @@
 //! Which nodes a formula means.
+//!
+//! A node stands at 0.6 m as `f32` has it, which is more than 0.6; nobody who writes `z > 0.6` means that one. So places
+//! are taken for the shortest decimal number that they are read back from.
 
 use super::super::formula::Formula;
 use super::super::model::Region;
 use super::RunError;
 use crate::body::NodeId;
-use crate::math::Vector;
+use crate::math::{Real, Vector};
 use crate::world::Deformable;
 
 /// Places in a body's own frame, and the corners of the body.
@@ -19,10 +22,9 @@ impl Places {
     pub fn around(places: impl Iterator<Item = Vector>) -> Self {
         let start = (Vector::INFINITY, Vector::NEG_INFINITY);
         let (low, high) = places.fold(start, |(lo, hi), p| (lo.min(p), hi.max(p)));
-        let wide = |v: Vector| v.to_array().map(f64::from);
         Self {
-            low: wide(low),
-            high: wide(high),
+            low: low.to_array().map(decimal),
+            high: high.to_array().map(decimal),
         }
     }
 
@@ -33,11 +35,17 @@ impl Places {
 
     /// Whether a formula holds at a place.
     pub fn holds(&self, formula: &Formula, at: Vector) -> bool {
-        let [x, y, z] = at.to_array().map(f64::from);
+        let [x, y, z] = at.to_array().map(decimal);
         let ([a, b, c], [d, e, f]) = (self.low, self.high);
         let value = formula.value(&[x, y, z, a, b, c, d, e, f]);
         value != 0.0 && !value.is_nan()
     }
+}
+
+/// The shortest decimal number that is read back as `x`.
+fn decimal(x: Real) -> f64 {
+    let written = x.to_string();
+    written.parse().unwrap_or_else(|_| x.into())
 }
 
 /// The nodes of a body that a region selects, all without one.
@@ -61,5 +69,27 @@ pub(crate) fn selected(
             body: name.into(),
         }),
         _ => Ok(nodes),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::model::deformable::PLACE;
+    use super::*;
+
+    #[test]
+    fn a_node_at_a_decimal_number_is_there() {
+        let places = Places::around([Vector::splat(-0.3), Vector::splat(0.6)].into_iter());
+        let holds = |text: &str, at: Vector| {
+            let formula = Formula::new(text, &Default::default(), &PLACE).unwrap();
+            places.holds(&formula, at)
+        };
+        let at = Vector::new(0.6, -0.3, 0.1);
+        for yes in ["x == 0.6", "x >= max_x", "y == min_y", "x + y > 0.29", "z"] {
+            assert!(holds(yes, at), "{yes}");
+        }
+        for no in ["x > 0.6", "x < 0.6", "y < min_y", "0", "0 / 0"] {
+            assert!(!holds(no, at), "{no}");
+        }
     }
 }

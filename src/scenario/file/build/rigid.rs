@@ -3,17 +3,18 @@
 use super::super::super::Cast;
 use super::super::model::{Collider, Groups, Rigid, RigidKind, Rule};
 use super::{RunError, shapes, vector};
-use crate::math::Real;
+use crate::math::{Pose, Real, Rotation};
 use rapier3d::dynamics::{CoefficientCombineRule, RigidBodyBuilder};
 use rapier3d::geometry::{ColliderBuilder, Group, InteractionGroups, InteractionTestMode};
 use rapier3d::pipeline::PhysicsWorld;
 
 pub(super) fn insert(
     rigid: &Rigid,
+    frame: Pose,
     world: &mut PhysicsWorld,
     cast: &mut Cast,
 ) -> Result<(), RunError> {
-    let handle = world.insert_body(body(rigid));
+    let handle = world.insert_body(body(rigid, frame));
     for (i, c) in rigid.colliders.iter().enumerate() {
         let made = collider(c, &rigid.name)?;
         let made = world.insert_collider(made, Some(handle));
@@ -29,16 +30,22 @@ pub(super) fn insert(
     Ok(())
 }
 
-fn body(rigid: &Rigid) -> RigidBodyBuilder {
+fn body(rigid: &Rigid, frame: Pose) -> RigidBodyBuilder {
     let builder = match rigid.kind {
         RigidKind::Fixed => RigidBodyBuilder::fixed(),
         RigidKind::Dynamic => RigidBodyBuilder::dynamic(),
         RigidKind::KinematicPosition => RigidBodyBuilder::kinematic_position_based(),
         RigidKind::KinematicVelocity => RigidBodyBuilder::kinematic_velocity_based(),
     };
+    let turn = Rotation::from_scaled_axis(vector(rigid.rotation));
+    let own = Pose::from_parts(vector(rigid.translation), turn);
+    // A product with nothing would round the turn anew.
+    let pose = match rigid.frame {
+        Some(_) => frame * own,
+        None => own,
+    };
     let mut builder = builder
-        .translation(vector(rigid.translation))
-        .rotation(vector(rigid.rotation))
+        .pose(pose)
         .linvel(vector(rigid.linvel))
         .angvel(vector(rigid.angvel))
         .gravity_scale(rigid.gravity_scale as Real)

@@ -56,6 +56,10 @@ record! {
         pin: Option<Region> = None;
         /// Where its own frame is \[m\].
         translation: [f64; 3] = [0.0; 3], FINITE;
+        /// Along which axes its lowest node is put where, instead of its frame \[m\]; None for the others.
+        low: [Option<f64>; 3] = [None; 3], FINITE;
+        /// Along which axes its highest node is put where, instead of its frame \[m\]; None for the others.
+        high: [Option<f64>; 3] = [None; 3], FINITE;
         /// How its own frame is turned: an axis, as long as the angle \[rad\].
         rotation: [f64; 3] = [0.0; 3], FINITE;
         /// Velocity of its centre of mass \[m/s\].
@@ -223,6 +227,18 @@ record! {
         hardening: f64 = 0.0, NOT_NEGATIVE;
         /// Tension at which it breaks \[N\]; inf for never.
         break_force: f64 = f64::INFINITY, STRENGTH;
+    }
+}
+
+record! {
+    /// Nodes of a deformable that are followed: their mean place and velocity stand in its history.
+    pub struct Set {
+        /// Its name.
+        name: String;
+        /// The deformable.
+        of: String, DEFORMABLE;
+        /// Which nodes: a formula of x, y, z.
+        nodes: Region;
     }
 }
 

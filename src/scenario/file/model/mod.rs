@@ -15,7 +15,7 @@ use super::decode::{Check, Decoder};
 use super::formula::Variables;
 use super::schema::{Entry, record};
 pub use actuator::{Act, Signal};
-pub use deformable::{Attachment, Body, Deformable, Hold, Region};
+pub use deformable::{Attachment, Body, Deformable, Hold, Region, Set};
 pub use expect::{Expectation, Quantity};
 pub use joint::{Joint, JointKind, Motor};
 pub use material::{AnyMaterial, Law, SolidMaterial, SpringMaterial};
@@ -49,6 +49,8 @@ record! {
         deformables: Vec<Deformable> = Vec::new(), Length { from: 0, to: 10_000 };
         /// What holds nodes of deformables to rigid bodies, to each other or to the world.
         attachments: Vec<Attachment> = Vec::new(), Length { from: 0, to: 10_000 };
+        /// Nodes whose mean is followed.
+        sets: Vec<Set> = Vec::new(), Length { from: 0, to: 1000 };
         /// Pairs of bodies that do not touch each other.
         no_contact: Vec<[String; 2]> = Vec::new(), PAIRS;
         /// Forces, motions and motors over time.
@@ -102,6 +104,7 @@ pub fn reference() -> Vec<Entry> {
         SpringMaterial::KEYS,
         SolidMaterial::KEYS,
         Law::KEYS,
+        Set::KEYS,
         Attachment::KEYS,
         Hold::KEYS,
         Act::KEYS,

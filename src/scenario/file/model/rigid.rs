@@ -1,6 +1,6 @@
 //! Rigid bodies and their colliders, with Rapier's own defaults.
 
-use super::super::check::{FINITE, Length, NOT_NEGATIVE, POSITIVE};
+use super::super::check::{DEFORMABLE, FINITE, Length, NOT_NEGATIVE, POSITIVE};
 use super::super::decode::Decoder;
 use super::super::schema::{choice, record};
 use super::super::tree::Node;
@@ -13,6 +13,8 @@ record! {
         name: String;
         /// What moves it.
         kind: RigidKind = RigidKind::Dynamic;
+        /// A deformable in whose own frame the place and the turn are meant, as that is put into the world.
+        frame: Option<String> = None, DEFORMABLE;
         /// Where it is \[m\].
         translation: [f64; 3] = [0.0; 3], FINITE;
         /// How it is turned: an axis, as long as the angle \[rad\].
