@@ -54,6 +54,9 @@ impl Cast {
     }
 }
 
+/// What is done before a step.
+pub type Lead = Box<dyn Fn(&mut Run) + Send>;
+
 /// A scene that runs.
 pub struct Run {
     /// Rapier's world.
@@ -87,7 +90,7 @@ pub struct Run {
     /// Mechanical energy of everything that moves freely at the beginning and after every step \[J\].
     pub energy: Vec<f64>,
     /// What the scene does before every step, such as to move a platform.
-    pub lead: Option<fn(&mut Run)>,
+    pub lead: Option<Lead>,
     /// What Rapier asks about pairs of colliders.
     pub hooks: Arc<dyn PhysicsHooks>,
     most: Vec<(DeformableHandle, u64)>,
@@ -140,8 +143,9 @@ impl Run {
         if self.energy.is_empty() {
             self.energy = vec![mechanical_energy(&self.world, &self.deformables)];
         }
-        if let Some(lead) = self.lead {
+        if let Some(lead) = self.lead.take() {
             lead(self);
+            self.lead = Some(lead);
         }
         let start = Instant::now();
         self.deformables

@@ -21,6 +21,7 @@ pub(crate) const EMBEDDED: &[(&str, &str)] = embedded![
     "drop",
     "equal_bars",
     "free_fall",
+    "gripper",
     "hanging_rope",
     "motor",
     "oscillator",

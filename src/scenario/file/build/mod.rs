@@ -1,5 +1,6 @@
 //! From a [`Scenario`] to worlds that can be stepped.
 
+mod acts;
 mod deformables;
 mod filter;
 mod joints;
@@ -15,9 +16,7 @@ use crate::math::{Pose, Real, Vector};
 use crate::record::{RecordError, SignalError};
 use crate::solve::Integrator;
 use crate::world::{AttachError, DeformableWorld, Substeps};
-pub(super) use joints::axis as joint_axis;
 pub(super) use nodes::{Places, selected};
-use rapier3d::dynamics::ImpulseJointHandle;
 use rapier3d::pipeline::PhysicsWorld;
 use std::path::PathBuf;
 
@@ -88,12 +87,6 @@ pub enum RunError {
     },
 }
 
-/// What is built of a scene, beside the run itself.
-pub(super) struct Built {
-    pub run: Run,
-    pub joints: Vec<(String, ImpulseJointHandle)>,
-}
-
 impl Scenario {
     /// The options that stand for this scene's in a [`Run`].
     fn options(&self) -> Options {
@@ -114,12 +107,12 @@ impl Scenario {
     /// # Errors
     /// [`RunError`]: bodies that can't be built or are not stable, meshes that can't be read, nodes that are not there.
     pub fn build(&self) -> Result<Run, RunError> {
-        build(self).map(|built| built.run)
+        build(self)
     }
 }
 
 /// Everything in the order of the file, since handles and sums follow it.
-pub(super) fn build(scene: &Scenario) -> Result<Built, RunError> {
+fn build(scene: &Scenario) -> Result<Run, RunError> {
     let mut world = PhysicsWorld {
         gravity: vector(scene.world.gravity),
         ..PhysicsWorld::default()
@@ -164,7 +157,13 @@ pub(super) fn build(scene: &Scenario) -> Result<Built, RunError> {
         [] => vec![0.0, scene.world.duration],
         times => times.to_vec(),
     };
-    Ok(Built { run, joints })
+    let acts = acts::prepare(scene, &run, &joints)?;
+    if !acts.is_empty() {
+        run.lead = Some(Box::new(move |run| {
+            acts.iter().for_each(|act| act.apply(run));
+        }));
+    }
+    Ok(run)
 }
 
 /// Numbers of a scene as Rapier wants them.

@@ -1,14 +1,12 @@
 //! A scene that runs: what is built, what acts on it, and what is watched.
 
-mod acts;
 mod channels;
 mod trace;
 
 use super::super::Run;
-use super::build::{Built, RunError, build};
+use super::build::RunError;
 use super::model::{Quantity, Scenario, Stop};
 use super::outcome::Outcome;
-use acts::Act;
 use channels::Follows;
 pub use channels::Series;
 use trace::Trace;
@@ -19,7 +17,6 @@ pub struct ScenarioRun {
     pub run: Run,
     /// What is run.
     pub scenario: Scenario,
-    acts: Vec<Act>,
     trace: Trace,
     follows: Follows,
     calm_since: Option<f64>,
@@ -32,14 +29,12 @@ impl Scenario {
     /// # Errors
     /// [`RunError`].
     pub fn start(&self) -> Result<ScenarioRun, RunError> {
-        let Built { mut run, joints } = build(self)?;
-        let acts = acts::prepare(self, &run, &joints)?;
+        let mut run = self.build()?;
         let follows = Follows::begin(self, &mut run)?;
         let trace = Trace::begin(&run);
         Ok(ScenarioRun {
             run,
             scenario: self.clone(),
-            acts,
             trace,
             follows,
             calm_since: None,
@@ -76,10 +71,6 @@ impl ScenarioRun {
     pub fn step(&mut self) -> bool {
         if self.stopped {
             return false;
-        }
-        let time = self.run.deformables.time();
-        for act in &self.acts {
-            act.apply(&mut self.run, time);
         }
         if !self.run.step() {
             return false;

@@ -4,8 +4,8 @@
 //! that is led to is that at its end.
 
 use super::super::super::Run;
-use super::super::build::{RunError, joint_axis, selected, vector};
 use super::super::model::{self, Region, Scenario, Signal};
+use super::{RunError, joints, selected, vector};
 use crate::body::NodeId;
 use crate::math::{DVec3, Pose, Real, Rotation, Vector, narrow};
 use crate::world::DeformableHandle;
@@ -78,7 +78,7 @@ pub(super) fn prepare(
                 let said = scene.joints.iter().find(|j| j.name == *name);
                 let axis = said
                     .filter(|j| j.motor.is_some())
-                    .and_then(|j| joint_axis(&j.kind));
+                    .and_then(|j| joints::axis(&j.kind));
                 let (Some(joint), Some(axis)) = (made, axis) else {
                     let what = "only a joint with a motor can be driven";
                     return unfit(name, what);
@@ -187,10 +187,11 @@ fn deformable<'a>(
 }
 
 impl Act {
-    /// Acts on the step that begins at `time` s.
-    pub fn apply(&self, run: &mut Run, time: f64) {
-        let dt = run.options.dt;
-        let (middle, end) = (time + 0.5 * dt, time + dt);
+    /// Acts on the coming step.
+    pub fn apply(&self, run: &mut Run) {
+        // Whole steps: the sum of Rapier's, which are `f32`, drifts by 1e-8.
+        let steps = run.steps as f64;
+        let [middle, end] = [0.5, 1.0].map(|share| (steps + share) * run.options.dt);
         match self {
             Self::PushRigid {
                 body,
