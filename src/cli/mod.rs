@@ -81,7 +81,6 @@ pub fn list() {
 #[derive(clap::Args)]
 pub struct SceneArguments {
     /// A scene file, or the name of a scene; see `crumple list`.
-    #[arg(value_name = "FILE_OR_NAME")]
     name: String,
     /// Another value of a variable of the scene; may be given several times.
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]

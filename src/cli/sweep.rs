@@ -11,7 +11,6 @@ use std::path::{Path, PathBuf};
 #[command(allow_negative_numbers = true)]
 pub struct SweepArguments {
     /// A scene file, or the name of a scene in one; see `crumple list`.
-    #[arg(value_name = "FILE_OR_NAME")]
     name: String,
     /// Values of a variable: speed=5..30:26 are 26 from 5 to 30, angle=0,15,30 are these. May be given several times: then
     /// every combination is run.

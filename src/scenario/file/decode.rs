@@ -227,18 +227,18 @@ fn checked<T: Decode>(field: &Field, d: &mut Decoder, checks: &[&dyn Check<T>]) 
     })
 }
 
-/// The payload of a variant: `Name(x)` is x itself, `Name(a: 1)` and `Name(1, 2)` are what stands in the brackets.
-pub(crate) fn payload(inner: &Node) -> &Node {
+/// The payload of a variant of RON: `Name(x)` is x itself, `Name(a: 1)` and `Name(1, 2)` are what stands in the brackets.
+fn payload(inner: &Node) -> &Node {
     match inner.items() {
         Some([one]) => one,
         _ => inner,
     }
 }
 
-/// The name of a variant and what comes with it, in RON's or JSON's form.
+/// The name of a variant and its payload, in RON's or JSON's form.
 pub(crate) fn variant(node: &Node) -> Option<(&str, Option<&Node>)> {
     match &node.value {
-        Value::Named(name, inner) => Some((name, inner.as_deref())),
+        Value::Named(name, inner) => Some((name, inner.as_deref().map(payload))),
         Value::Text(name) => Some((name, None)),
         Value::Record(fields) => match fields.as_slice() {
             [one] => Some((&one.key, Some(&one.value))),

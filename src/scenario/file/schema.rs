@@ -185,7 +185,7 @@ macro_rules! variant {
         let field = crate::scenario::file::tree::Field {
             key: stringify!($variant).into(),
             at: inner.at,
-            value: crate::scenario::file::decode::payload(inner).clone(),
+            value: inner.clone(),
         };
         let fields = std::slice::from_ref(&field);
         let value = crate::scenario::file::decode::required::<$payload>(
@@ -199,7 +199,7 @@ macro_rules! variant {
             at: $node.at,
             value: crate::scenario::file::tree::Value::Record(Vec::new()),
         };
-        let inner = crate::scenario::file::decode::payload($inner.unwrap_or(&empty));
+        let inner = $inner.unwrap_or(&empty);
         $d.within(concat!(".", stringify!($variant)), |d| {
             let fields = d.fields(inner, stringify!($variant), &[$(stringify!($field)),*])?;
             $( let $field: Option<$type> = $crate::scenario::file::schema::field!(

@@ -143,6 +143,40 @@ fn what_is_written_is_read_back() {
     ron::from_str::<ron::Value>(BLOCK).unwrap();
 }
 
+/// Lists of one and meshes are what RON and JSON write differently.
+#[test]
+fn every_form_of_a_shape_is_read_back() {
+    let scene = load(
+        r#"(rigid: [(name: "a", kind: Fixed, colliders: [
+            (shape: Compound([(shape: Ball(1), translation: (0, 1, 0))])),
+            (shape: TriMesh((vertices: [(0, 0, 0), (1, 0, 0), (0, 1, 0)], triangles: [(0, 1, 2)]))),
+            (shape: TriMesh(Hatchback)),
+            (shape: Polyline(points: [(0, 0, 0), (1, 0, 0)]), groups: (member: [3])),
+        ])])"#,
+    )
+    .unwrap();
+    for written in [
+        ron::to_string(&scene).unwrap(),
+        serde_json::to_string(&scene).unwrap(),
+    ] {
+        assert_eq!(load(&written).unwrap(), scene, "{written}");
+    }
+}
+
+#[test]
+fn what_is_written_of_the_catalog_is_read_back() {
+    for name in embedded_names() {
+        let scene = Scenario::embedded(name, &LoadOptions::default()).unwrap();
+        for written in [
+            ron::to_string(&scene).unwrap(),
+            serde_json::to_string(&scene).unwrap(),
+        ] {
+            let again = load(&written).unwrap_or_else(|e| panic!("{name}: {e}\n{written}"));
+            assert_eq!(again, scene, "{name}");
+        }
+    }
+}
+
 #[test]
 fn sizes_are_checked_before_memory_is_taken() {
     for (body, what) in [

@@ -1,7 +1,7 @@
 //! Every shape that Rapier has, and meshes.
 
 use super::super::check::{FINITE, Length, NOT_NEGATIVE, POSITIVE};
-use super::super::decode::{Decode, Decoder};
+use super::super::decode::{Decode, Decoder, variant};
 use super::super::schema::{Entry, choice};
 use super::super::tree::{Node, Value};
 use std::path::PathBuf;
@@ -167,9 +167,12 @@ mod explicit {
 
 impl Decode for Mesh {
     fn decode(node: &Node, d: &mut Decoder) -> Option<Self> {
+        match variant(node) {
+            Some(("Hatchback", None)) => return Some(Self::Hatchback),
+            Some(("File" | "Points", Some(inner))) => return Self::decode(inner, d),
+            _ => {}
+        }
         match &node.value {
-            Value::Named(name, None) if name == "Hatchback" => Some(Self::Hatchback),
-            Value::Text(text) if text == "Hatchback" => Some(Self::Hatchback),
             Value::Text(_) => file(node, d, &["obj"]).map(Self::File),
             Value::Record(_) => {
                 let points = explicit::Points::decode(node, d)?;
@@ -177,9 +180,6 @@ impl Decode for Mesh {
                     vertices: points.vertices,
                     triangles: points.triangles,
                 })
-            }
-            Value::Named(name, Some(inner)) if name == "File" || name == "Points" => {
-                Self::decode(super::super::decode::payload(inner), d)
             }
             _ => d.expected(
                 node,
@@ -219,7 +219,13 @@ impl Mesh {
             default: "",
             doc: "A surface: `Hatchback`, the path of an OBJ file in quotes, or its own points and triangles.",
         },
-        explicit::Points::KEYS[1],
-        explicit::Points::KEYS[2],
+        Entry {
+            owner: "Mesh",
+            ..explicit::Points::KEYS[1]
+        },
+        Entry {
+            owner: "Mesh",
+            ..explicit::Points::KEYS[2]
+        },
     ];
 }
