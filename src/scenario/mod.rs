@@ -10,6 +10,7 @@ pub mod catalog;
 pub mod cradle;
 pub mod drop;
 pub mod figures;
+pub mod file;
 pub mod gripper;
 pub mod pile;
 pub mod pole;
@@ -30,6 +31,7 @@ use crate::body::BuildError;
 use crate::import::ImportError;
 use crate::record::{RecordError, SignalError};
 use crate::world::AttachError;
+use file::{LoadError, LoadOptions, RunError, Scenario};
 
 /// What may vary in a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,6 +90,12 @@ pub enum SceneError {
     /// A recording gives no signal.
     #[error(transparent)]
     Signal(#[from] SignalError),
+    /// The file of the scene can't be read.
+    #[error(transparent)]
+    Load(#[from] LoadError),
+    /// What the file says can't be built.
+    #[error(transparent)]
+    Run(#[from] RunError),
     /// The run lacks something its figures are about.
     #[error("the run has no {0}")]
     Missing(&'static str),
@@ -125,4 +133,19 @@ impl Scene {
     pub fn figures(&self, run: &Run) -> Result<Figures, SceneError> {
         (self.figures)(run)
     }
+}
+
+/// Builds the scene of a file that comes with the crate, its variables set to these options.
+fn from_file(name: &str, options: &Options) -> Result<Run, SceneError> {
+    let set = [
+        ("dt", options.dt),
+        ("duration", options.duration),
+        ("safety", options.safety),
+        ("cell", options.cell),
+    ];
+    let options = LoadOptions {
+        set: set.map(|(name, value)| (name.into(), value)).into(),
+        ..LoadOptions::default()
+    };
+    Ok(Scenario::embedded(name, &options)?.build()?)
 }

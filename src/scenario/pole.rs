@@ -9,15 +9,10 @@
 //! *Intrusion* is what the distance from the struck door to the opposite side of the body has lost, at its largest and at
 //! the end, between rings of nodes that do not see how the car turns.
 
-use super::car::{self, Car};
-use super::{Cast, Figures, Options, Run, Scene, SceneError};
-use crate::body::Material;
+use super::car;
+use super::{Figures, Options, Run, Scene, SceneError};
 use crate::math::{DVec3, Real, Vector};
 use crate::record::{BodyRecord, Cfc, Interface, Resampled, SignalError};
-use crate::world::{DeformableWorld, Substeps};
-use rapier3d::dynamics::{CoefficientCombineRule, RigidBodyBuilder};
-use rapier3d::geometry::{ColliderBuilder, Group, InteractionGroups, InteractionTestMode};
-use rapier3d::pipeline::PhysicsWorld;
 
 /// The scene.
 pub const SCENE: Scene = Scene {
@@ -39,96 +34,13 @@ pub const SPEED: f64 = 29.0 / 3.6;
 pub const RADIUS: f64 = 0.127;
 /// Half the height of the pole \[m\].
 const HALF_HEIGHT: Real = 1.0;
-/// Distance of the door from the pole at the start \[m\].
-const GAP: Real = 0.02;
-/// Where along the car the pole stands: at the driver's head \[m\].
-const AT: Real = -0.05;
 /// How deep a node may lie in the pole before it counts as through \[m\].
 const THROUGH: f64 = 1.0e-3;
 /// Bins of forces \[s\].
 const BIN: f64 = 1.0e-4;
 
-/// Doors, sill and roof edge of one side, smeared.
-fn doors() -> Material {
-    Material::elastic(16.0e6, 180.0)
-        .yielding(60.0e3, 480.0e3)
-        .viscosity(1.6e3)
-}
-
-fn in_struck_side(p: Vector) -> bool {
-    (-1.0..0.9).contains(&p.x) && p.z < 0.15
-}
-
 fn build(options: &Options) -> Result<Run, SceneError> {
-    let mut world = PhysicsWorld::default();
-    let mut cast = Cast::default();
-    let (_, ground) = world.insert(
-        RigidBodyBuilder::fixed().translation(Vector::new(0.0, -0.5, 0.0)),
-        ColliderBuilder::cuboid(8.0, 0.5, 8.0)
-            .friction(0.015)
-            .friction_combine_rule(CoefficientCombineRule::Min),
-    );
-    cast.rigid.push(("ground".into(), None, ground));
-    let (_, pole) = world.insert(
-        RigidBodyBuilder::fixed().translation(Vector::new(0.0, HALF_HEIGHT, 0.0)),
-        ColliderBuilder::cylinder(HALF_HEIGHT, RADIUS as Real).friction(0.4),
-    );
-    cast.rigid.push(("pole".into(), None, pole));
-
-    let mut car = Car::new(options.cell)?;
-    let (lo, hi) = car.net.bounds();
-    let shift = Vector::new(-AT, -lo.y, RADIUS as Real + GAP - lo.z);
-    let speed = Vector::new(0.0, 0.0, -SPEED as Real);
-    let (cabin, carriers) = (car.cabin_nodes(), car.engine_nodes(options.cell));
-    let shell = 0.6 * options.cell as Real;
-    let middle = |p: Vector, half: Real| (p.x - AT).abs() < half && (0.3..0.8).contains(&p.y);
-    let struck = car.nodes(|p| middle(p, 0.15) && p.z < lo.z + shell);
-    let far = car.nodes(|p| middle(p, 0.6) && p.z > hi.z - shell);
-    cast.parts = std::mem::take(&mut car.parts);
-    car.builder = car
-        .builder
-        .material_where(in_struck_side, doors())
-        .translation(shift)
-        .linvel(speed)
-        .friction(0.4)
-        .substeps(Substeps::Auto {
-            safety: options.safety,
-            min_h: 1.0e-7,
-        });
-    let mut deformables = DeformableWorld::default();
-    deformables.params.expected_dt = options.dt;
-    let handle = deformables.insert(car.builder)?;
-    cast.deformables.push(("car".into(), handle));
-
-    let half = car::ENGINE_HALF;
-    let (engine, collider) = world.insert(
-        RigidBodyBuilder::dynamic()
-            .translation(shift + car::ENGINE_AT)
-            .linvel(speed),
-        ColliderBuilder::cuboid(half.x, half.y, half.z)
-            .mass(car::ENGINE_MASS as Real)
-            .friction(0.4)
-            .collision_groups(InteractionGroups::new(
-                car::ENGINE_GROUP,
-                Group::ALL,
-                InteractionTestMode::And,
-            )),
-    );
-    cast.rigid.push(("engine".into(), Some(engine), collider));
-    let mount = deformables.attach(handle, &carriers, engine, &world.bodies)?;
-    cast.attachments.push(("engine_mount".into(), mount));
-
-    let mut run = Run::new(world, deformables, cast, options);
-    run.frame_times = [0.0, 0.030, 0.060, 0.090, 0.120, 0.200]
-        .into_iter()
-        .map(|t: f64| t * options.duration / SCENE.options.duration)
-        .collect();
-    // From above the bonnet along the struck side: the door, the dent and the pole beside each other.
-    run.view = Vector::new(0.85, 1.2, -0.40);
-    for (name, nodes) in [("cabin", cabin), ("struck", struck), ("far", far)] {
-        run.recorder.follow(name, &run.deformables, handle, nodes)?;
-    }
-    Ok(run)
+    super::from_file("pole", options)
 }
 
 /// Force of the pole on the car, against its motion \[N\].

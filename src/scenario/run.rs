@@ -7,8 +7,9 @@ use crate::record::{Frame, Recorder};
 use crate::world::{AttachmentHandle, DeformableHandle, DeformableWorld};
 use rapier3d::dynamics::RigidBodyHandle;
 use rapier3d::geometry::ColliderHandle;
-use rapier3d::pipeline::PhysicsWorld;
+use rapier3d::pipeline::{PhysicsHooks, PhysicsWorld};
 use std::ops::Range;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// What takes part in a scene, by name.
@@ -18,6 +19,8 @@ pub struct Cast {
     pub deformables: Vec<(String, DeformableHandle)>,
     /// Rigid bodies with their colliders; the fixed ones have no body.
     pub rigid: Vec<(String, Option<RigidBodyHandle>, ColliderHandle)>,
+    /// Rigid bodies of scene files, those without colliders included.
+    pub bodies: Vec<(String, RigidBodyHandle)>,
     /// Attachments.
     pub attachments: Vec<(String, AttachmentHandle)>,
     /// Runs of the first deformable's skin triangles that are drawn in a colour of their own (glass, tyres), and of all
@@ -38,12 +41,21 @@ impl Cast {
         all.find(|(n, ..)| n == name).map(|(_, _, c)| *c)
     }
 
-    /// A rigid body by name.
+    /// A rigid body of a scene file by name.
+    pub fn body(&self, name: &str) -> Option<RigidBodyHandle> {
+        let mut all = self.bodies.iter();
+        all.find(|(n, _)| n == name).map(|(_, b)| *b)
+    }
+
+    /// A rigid body by the name of its first collider.
     pub fn rigid(&self, name: &str) -> Option<RigidBodyHandle> {
         let mut all = self.rigid.iter();
         all.find(|(n, ..)| n == name).and_then(|(_, b, _)| *b)
     }
 }
+
+/// What is done before a step.
+pub type Lead = Box<dyn Fn(&mut Run) + Send>;
 
 /// A scene that runs.
 pub struct Run {
@@ -78,7 +90,9 @@ pub struct Run {
     /// Mechanical energy of everything that moves freely at the beginning and after every step \[J\].
     pub energy: Vec<f64>,
     /// What the scene does before every step, such as to move a platform.
-    pub lead: Option<fn(&mut Run)>,
+    pub lead: Option<Lead>,
+    /// What Rapier asks about pairs of colliders.
+    pub hooks: Arc<dyn PhysicsHooks>,
     most: Vec<(DeformableHandle, u64)>,
 }
 
@@ -110,6 +124,7 @@ impl Run {
             steps: 0,
             energy: Vec::new(),
             lead: None,
+            hooks: Arc::new(()),
             most: Vec::new(),
         }
     }
@@ -128,12 +143,13 @@ impl Run {
         if self.energy.is_empty() {
             self.energy = vec![mechanical_energy(&self.world, &self.deformables)];
         }
-        if let Some(lead) = self.lead {
+        if let Some(lead) = self.lead.take() {
             lead(self);
+            self.lead = Some(lead);
         }
         let start = Instant::now();
         self.deformables
-            .step_with(&mut self.world, &(), &(), &mut self.recorder);
+            .step_with(&mut self.world, &*self.hooks, &(), &mut self.recorder);
         self.wall_s += start.elapsed().as_secs_f64();
         self.steps += 1;
         let energy = mechanical_energy(&self.world, &self.deformables);
@@ -159,6 +175,18 @@ impl Run {
         }
     }
 
+    /// Takes the frames that are still due, of a run that is over before its time.
+    pub(super) fn take_last_frame(&mut self) {
+        if self.frames.len() < self.frame_times.len() {
+            self.frames.push(self.frame());
+            self.frame_times.truncate(self.frames.len());
+        }
+    }
+
+    fn frame(&self) -> Frame {
+        Frame::take(&self.deformables, &self.world.bodies, &self.world.colliders)
+    }
+
     fn take_frames(&mut self) {
         while let Some(&due) = self.frame_times.get(self.frames.len()) {
             if self.deformables.time() < due - 0.5 * self.options.dt
@@ -166,11 +194,7 @@ impl Run {
             {
                 return;
             }
-            self.frames.push(Frame::take(
-                &self.deformables,
-                &self.world.bodies,
-                &self.world.colliders,
-            ));
+            self.frames.push(self.frame());
         }
     }
 

@@ -166,7 +166,7 @@ fn build(options: &Options) -> Result<Run, SceneError> {
         .collect();
     run.recorder.sampling.history = 5.0e-3;
     run.recorder.sampling.energy = 1.0e-2;
-    run.lead = Some(lead);
+    run.lead = Some(Box::new(lead));
     Ok(run)
 }
 

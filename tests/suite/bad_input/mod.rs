@@ -4,6 +4,8 @@ mod build;
 #[cfg(feature = "import")]
 mod files;
 mod queries;
+#[cfg(feature = "cli")]
+mod scene_files;
 mod setters;
 mod shapes;
 mod stepping;

@@ -4,6 +4,7 @@ mod cantilever;
 mod cli;
 mod cradle;
 mod drop;
+mod files;
 mod gripper;
 mod ledger;
 mod pile;

@@ -1,0 +1,83 @@
+//! What is written of any run: channels, energies, pictures.
+
+use super::Failure;
+use crumple::record::Interface;
+use crumple::report::{Stage, charts, contact_sheet};
+use crumple::scenario::Run;
+use crumple::world::Deformable;
+use std::path::Path;
+
+pub fn write_channels(run: &Run, out: &Path) -> Result<(), Failure> {
+    let name = |interface| match interface {
+        Interface::Collider(c) => {
+            let mut rigid = run.cast.rigid.iter();
+            rigid.find(|r| r.2 == c).map(|r| r.0.clone())
+        }
+        Interface::Deformable(d) => {
+            let mut all = run.cast.deformables.iter();
+            all.find(|(_, h)| *h == d).map(|(n, _)| n.clone())
+        }
+        Interface::Attachment(a) => {
+            let mut all = run.cast.attachments.iter();
+            all.find(|(_, h)| *h == a).map(|(n, _)| n.clone())
+        }
+    };
+    for (body, handle) in &run.cast.deformables {
+        if let Some(record) = run.recorder.body(*handle) {
+            record.write_forces(&out.join(format!("{body}_forces.csv")), name)?;
+            record.write_energies(&out.join(format!("{body}_energies.csv")))?;
+            let history = out.join(format!("{body}_history.csv"));
+            run.recorder.write_history(record, &history)?;
+        }
+    }
+    run.recorder.write_events(&out.join("events.csv"))?;
+    Ok(())
+}
+
+pub fn draw_energies(run: &Run, out: &Path) -> Result<(), Failure> {
+    for (i, (name, handle)) in run.cast.deformables.iter().enumerate() {
+        if let Some(record) = run.recorder.body(*handle) {
+            let file = match i {
+                0 => "energies.png".to_owned(),
+                _ => format!("{name}_energies.png"),
+            };
+            charts::energies(&format!("Energies: {}", name.replace('_', " ")), record)
+                .save_png(&out.join(file))?;
+        }
+    }
+    Ok(())
+}
+
+pub fn draw_pictures(run: &Run, out: &Path) -> Result<(), Failure> {
+    let mut stage = Stage::framing(&run.frames, run.view, [1000, 560]);
+    stage.ground = run.cast.collider("ground");
+    stage.parts = run.cast.parts.clone();
+    let plastic = run.frames.iter().flat_map(|f| &f.bodies);
+    let largest = plastic
+        .flat_map(|b| &b.strain)
+        .fold(0.0, |m: f32, s| m.max(*s));
+    if largest == 0.0 {
+        stage.max_strain = 0.0;
+    }
+    let solid = |(_, body): (_, &Deformable)| body.tet_count() > 0;
+    if run.deformables.iter().any(solid) {
+        stage.label = "von Mises stress over E";
+        stage.max_strain = f64::from(largest);
+    }
+    let name = run.cast.deformables.first();
+    let name = name.map_or("scene", |(n, _)| n.as_str());
+    let name = if run.cast.deformables.len() > 1 {
+        "scene"
+    } else {
+        name
+    };
+    let mut pictures = Vec::new();
+    for frame in &run.frames {
+        let picture = stage.draw(frame);
+        let file = format!("{name}_{:03.0}ms.png", frame.time * 1.0e3);
+        picture.save_png(&out.join(file))?;
+        pictures.push(picture);
+    }
+    contact_sheet(&pictures, 2).save_png(&out.join(format!("{name}.png")))?;
+    Ok(())
+}

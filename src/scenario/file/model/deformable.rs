@@ -1,0 +1,343 @@
+//! Deformables and what holds them.
+
+use super::super::check::{
+    BODY, COUNT, DEFORMABLE, FINITE, LESS_THAN_ALL, Length, NOT_NEGATIVE, POSITIVE, STRENGTH,
+};
+use super::super::decode::{Decode, Decoder};
+use super::super::formula::Formula;
+use super::super::schema::{choice, record};
+use super::super::tree::Node;
+use super::material::{Made, SolidMaterial, SpringMaterial};
+use super::rigid::{Groups, Rule};
+use super::shape::{Mesh, file};
+use super::world::{Scheme, Substepping};
+use std::path::PathBuf;
+
+/// Most nodes of one deformable.
+pub(crate) const MOST_NODES: f64 = 1.0e6;
+
+/// What a formula of a region may name: a place in the body's own frame \[m\], and the corners of the body there.
+pub(crate) const PLACE: [&str; 9] = [
+    "x", "y", "z", "min_x", "min_y", "min_z", "max_x", "max_y", "max_z",
+];
+
+/// Which nodes are meant: a formula that is not 0 there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Region(pub Formula);
+
+impl Decode for Region {
+    fn decode(node: &Node, d: &mut Decoder) -> Option<Self> {
+        d.formula_of(node, &PLACE).map(Self)
+    }
+}
+
+impl serde::Serialize for Region {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.0.text())
+    }
+}
+
+record! {
+    /// A deformable body.
+    pub struct Deformable {
+        /// Its name.
+        name: String;
+        /// What it is made of: nodes and springs, or tets.
+        body: Body;
+        /// The material of its springs; of bodies with springs that have sections.
+        material: Option<Made<SpringMaterial>> = None;
+        /// The solid of its tets; of bodies of tets.
+        solid: Option<Made<SolidMaterial>> = None;
+        /// Other materials in parts of it; later ones win.
+        parts: Vec<Part> = Vec::new(), Length { from: 0, to: 100 };
+        /// Its whole mass \[kg\]; by volumes and densities if it is left out.
+        mass: Option<f64> = None, POSITIVE;
+        /// Which nodes are pinned: a formula of x, y, z.
+        pin: Option<Region> = None;
+        /// Where its own frame is \[m\].
+        translation: [f64; 3] = [0.0; 3], FINITE;
+        /// Along which axes its lowest node is put where, instead of its frame \[m\]; None for the others.
+        low: [Option<f64>; 3] = [None; 3], FINITE;
+        /// Along which axes its highest node is put where, instead of its frame \[m\]; None for the others.
+        high: [Option<f64>; 3] = [None; 3], FINITE;
+        /// How its own frame is turned: an axis, as long as the angle \[rad\].
+        rotation: [f64; 3] = [0.0; 3], FINITE;
+        /// Velocity of its centre of mass \[m/s\].
+        linvel: [f64; 3] = [0.0; 3], FINITE;
+        /// Angular velocity about it \[rad/s\].
+        angvel: [f64; 3] = [0.0; 3], FINITE;
+        /// Coulomb's μ.
+        friction: f64 = 0.5, NOT_NEGATIVE;
+        /// How μ combines with that of what it touches.
+        friction_rule: Rule = Rule::Average;
+        /// Thickness of its surface \[m\]: of a sheet, the diameter of a rope.
+        thickness: f64 = 0.0, NOT_NEGATIVE;
+        /// Stiffness of its contacts per node \[N/m\]; contacts that do not give if it is left out.
+        contact_stiffness: Option<f64> = None, POSITIVE;
+        /// Which things it meets.
+        groups: Groups = Groups::all();
+        /// Which things push it.
+        solver_groups: Groups = Groups::all();
+        /// Its dominance group.
+        dominance: i8 = 0;
+        /// Factor on gravity.
+        gravity_scale: f64 = 1.0, FINITE;
+        /// D in the force −D·v on every node \[N·s/m\].
+        drag: f64 = 0.0, NOT_NEGATIVE;
+        /// Substeps of its own.
+        substeps: Option<Substepping> = None;
+        /// A scheme of its own.
+        integrator: Option<Scheme> = None;
+    }
+    then fits
+}
+
+record! {
+    /// Another material in a part of a body.
+    pub struct Part {
+        /// Where: a formula of x, y, z.
+        at: Region;
+        /// What.
+        material: Made<SpringMaterial>;
+    }
+}
+
+choice! {
+    /// What a deformable is made of, in its own frame.
+    pub enum Body {
+        /// A box of springs about the origin, with Poisson's ratio ¼.
+        Lattice {
+            /// Its sides \[m\].
+            size: [f64; 3], POSITIVE;
+            /// Side of a cell \[m\].
+            cell: f64, POSITIVE;
+        };
+        /// A sheet of springs in the plane y = 0 about the origin, with Poisson's ratio ⅓.
+        Sheet {
+            /// Its sides along x and z \[m\].
+            size: [f64; 2], POSITIVE;
+            /// Nodes along x and z.
+            nodes: [usize; 2], COUNT;
+            /// Thickness \[m\].
+            thickness: f64, POSITIVE;
+            /// Share of the stiffness in springs that keep it from folding.
+            bending: f64 = 0.1, LESS_THAN_ALL;
+        };
+        /// A chain of springs.
+        Rope {
+            /// Its first node \[m\].
+            from: [f64; 3], FINITE;
+            /// Its last node \[m\].
+            to: [f64; 3], FINITE;
+            /// Springs.
+            segments: usize, COUNT;
+            /// Its section \[m²\].
+            section: f64, POSITIVE;
+        };
+        /// A closed surface filled with cells of springs.
+        Filled {
+            /// The surface.
+            mesh: Mesh;
+            /// Side of a cell \[m\].
+            cell: f64, POSITIVE;
+        };
+        /// Nodes and springs one by one.
+        Net {
+            /// The nodes.
+            nodes: Vec<NodeSpec>, Length { from: 1, to: 1_000_000 };
+            /// The springs.
+            springs: Vec<SpringSpec> = Vec::new(), Length { from: 0, to: 1_000_000 };
+            /// Triangles of nodes, counter-clockwise seen from outside.
+            faces: Vec<[u32; 3]> = Vec::new(), Length { from: 0, to: 1_000_000 };
+        };
+        /// A box of tets about the origin.
+        TetBox {
+            /// Its sides \[m\].
+            size: [f64; 3], POSITIVE;
+            /// Side of a cell \[m\].
+            cell: f64, POSITIVE;
+            /// How cells are cut.
+            split: Split = Split::Five;
+            /// Whether tets have ten nodes.
+            quadratic: bool = false;
+        };
+        /// A closed surface covered by tets.
+        TetFilled {
+            /// The surface.
+            mesh: Mesh;
+            /// Size of the tets \[m\].
+            cell: f64, POSITIVE;
+            /// Whether tets have ten nodes.
+            quadratic: bool = false;
+        };
+        /// Tets of a Gmsh (.msh) or TetGen (.node and .ele) file, relative to the scene's own.
+        TetMesh(TetFile);
+    }
+}
+
+/// A file of tets.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[serde(transparent)]
+pub struct TetFile(pub PathBuf);
+
+impl Decode for TetFile {
+    fn decode(node: &Node, d: &mut Decoder) -> Option<Self> {
+        file(node, d, &["msh", "node"]).map(Self)
+    }
+}
+
+choice! {
+    /// How a cell of a box is cut into tets.
+    pub enum Split {
+        /// Five, mirrored from cell to cell.
+        Five;
+        /// Six around a diagonal.
+        Six;
+    }
+}
+
+record! {
+    /// A node of a net.
+    pub struct NodeSpec {
+        /// Where it is \[m\].
+        at: [f64; 3], FINITE;
+        /// Mass \[kg\].
+        mass: f64, POSITIVE;
+        /// Velocity beside that of the body \[m/s\].
+        linvel: [f64; 3] = [0.0; 3], FINITE;
+        /// Whether it is held.
+        pinned: bool = false;
+    }
+}
+
+record! {
+    /// A spring of a net.
+    pub struct SpringSpec {
+        /// The two nodes, counted from 0.
+        nodes: [u32; 2];
+        /// Stiffness \[N/m\].
+        stiffness: f64, POSITIVE;
+        /// Damping \[N·s/m\].
+        damping: f64 = 0.0, NOT_NEGATIVE;
+        /// Length without force \[m\]; the distance of its nodes if it is left out.
+        rest_length: Option<f64> = None, POSITIVE;
+        /// Force at which it flows, either way \[N\]; inf for none.
+        yield_force: f64 = f64::INFINITY, STRENGTH;
+        /// Growth of that force per elongation \[N/m\].
+        hardening: f64 = 0.0, NOT_NEGATIVE;
+        /// Tension at which it breaks \[N\]; inf for never.
+        break_force: f64 = f64::INFINITY, STRENGTH;
+    }
+}
+
+record! {
+    /// Nodes of a deformable that are followed: their mean place and velocity stand in its history.
+    pub struct Set {
+        /// Its name.
+        name: String;
+        /// The deformable.
+        of: String, DEFORMABLE;
+        /// Which nodes: a formula of x, y, z.
+        nodes: Region;
+    }
+}
+
+record! {
+    /// What holds nodes of a deformable.
+    pub struct Attachment {
+        /// Its name.
+        name: String;
+        /// The deformable.
+        of: String, DEFORMABLE;
+        /// Which nodes: a formula of x, y, z.
+        nodes: Region;
+        /// The rigid body or the other deformable; the world if it is left out.
+        to: Option<String> = None, BODY;
+        /// How they are held.
+        hold: Hold = Hold::Weld;
+        /// Point of the world that a pin turns about and moments are taken about \[m\].
+        at: Option<[f64; 3]> = None, FINITE;
+        /// Force at which it breaks \[N\]; inf for never.
+        strength: f64 = f64::INFINITY, STRENGTH;
+        /// Moment at which it breaks \[N·m\]; inf for never.
+        moment_strength: f64 = f64::INFINITY, STRENGTH;
+    }
+}
+
+choice! {
+    /// How nodes are held.
+    pub enum Hold {
+        /// Each where it is.
+        Weld;
+        /// Their centre of mass, free to turn.
+        Pin;
+        /// Each by a spring of no length.
+        Link {
+            /// Stiffness per node \[N/m\].
+            stiffness: f64, POSITIVE;
+            /// Damping per node \[N·s/m\].
+            damping: f64 = 0.0, NOT_NEGATIVE;
+        };
+    }
+}
+
+/// Sizes before anything is allocated, indices, and the material that the body needs.
+fn fits(body: &Deformable, node: &Node, d: &mut Decoder) -> Option<()> {
+    let tets = matches!(
+        body.body,
+        Body::TetBox { .. } | Body::TetFilled { .. } | Body::TetMesh(_)
+    );
+    let net = matches!(body.body, Body::Net { .. });
+    let complaint = match body.body.too_many() {
+        Some(what) => what,
+        None if tets && body.solid.is_none() => "bodies of tets need a `solid`".into(),
+        None if tets && (body.material.is_some() || !body.parts.is_empty()) => {
+            "bodies of tets have a `solid` instead of `material` and `parts`".into()
+        }
+        None if !tets && body.solid.is_some() => {
+            "bodies of springs have a `material` instead of a `solid`".into()
+        }
+        None if !tets && !net && body.material.is_none() => {
+            "the springs of this body need a `material`".into()
+        }
+        None => return Some(()),
+    };
+    d.wrong(node.at, |_| complaint);
+    None
+}
+
+impl Body {
+    /// What would be too many, by sizes alone, or an index that is none.
+    fn too_many(&self) -> Option<String> {
+        let cells = |size: &[f64; 3], cell: f64| {
+            let counts = size.iter().map(|s| (s / cell).round().max(1.0) + 1.0);
+            counts.product::<f64>()
+        };
+        let nodes = match self {
+            Self::Lattice { size, cell } => cells(size, *cell),
+            Self::TetBox {
+                size,
+                cell,
+                quadratic,
+                ..
+            } => cells(size, *cell) * if *quadratic { 8.0 } else { 1.0 },
+            Self::Sheet { nodes, .. } => nodes[0] as f64 * nodes[1] as f64,
+            Self::Net {
+                nodes,
+                springs,
+                faces,
+            } => {
+                let count = nodes.len();
+                let named = springs.iter().flat_map(|s| s.nodes);
+                let mut named = named.chain(faces.iter().flatten().copied());
+                let wrong = named.find(|n| *n as usize >= count)?;
+                return Some(format!(
+                    "node {wrong} is named, but there are {count}, counted from 0"
+                ));
+            }
+            _ => return None,
+        };
+        (nodes > MOST_NODES)
+            .then(|| format!("{nodes:.0} nodes are too many, at most {MOST_NODES} are possible"))
+    }
+}

@@ -1,0 +1,231 @@
+//! Every shape that Rapier has, and meshes.
+
+use super::super::check::{FINITE, Length, NOT_NEGATIVE, POSITIVE};
+use super::super::decode::{Decode, Decoder, variant};
+use super::super::schema::{Entry, choice};
+use super::super::tree::{Node, Value};
+use std::path::PathBuf;
+
+/// Most points of one shape.
+const POINTS: Length = Length {
+    from: 1,
+    to: 1_000_000,
+};
+
+choice! {
+    /// The shape of a collider, about its own origin; the axis of round ones is y.
+    pub enum Shape {
+        /// A ball of this radius \[m\].
+        Ball(f64, POSITIVE);
+        /// A box.
+        Cuboid {
+            /// Half its sides \[m\].
+            half: [f64; 3], POSITIVE;
+            /// Radius of its edges, beyond the sides \[m\].
+            border: f64 = 0.0, NOT_NEGATIVE;
+        };
+        /// A cylinder with round ends.
+        Capsule {
+            /// Half the length of the cylinder \[m\].
+            half_height: f64, POSITIVE;
+            /// Radius \[m\].
+            radius: f64, POSITIVE;
+            /// Along which axis it lies.
+            axis: super::probe::Axis = super::probe::Axis::Y;
+        };
+        /// A cylinder.
+        Cylinder {
+            /// Half its height \[m\].
+            half_height: f64, POSITIVE;
+            /// Radius \[m\].
+            radius: f64, POSITIVE;
+            /// Radius of its edges, beyond \[m\].
+            border: f64 = 0.0, NOT_NEGATIVE;
+        };
+        /// A cone with its tip up.
+        Cone {
+            /// Half its height \[m\].
+            half_height: f64, POSITIVE;
+            /// Radius of its base \[m\].
+            radius: f64, POSITIVE;
+            /// Radius of its edges, beyond \[m\].
+            border: f64 = 0.0, NOT_NEGATIVE;
+        };
+        /// Everything on one side of a plane through the origin.
+        HalfSpace {
+            /// Where its outside is, any length.
+            normal: [f64; 3], FINITE;
+        };
+        /// A line between two points.
+        Segment {
+            /// One end \[m\].
+            a: [f64; 3], FINITE;
+            /// The other \[m\].
+            b: [f64; 3], FINITE;
+        };
+        /// A triangle.
+        Triangle {
+            /// First corner \[m\].
+            a: [f64; 3], FINITE;
+            /// Second corner \[m\].
+            b: [f64; 3], FINITE;
+            /// Third corner \[m\].
+            c: [f64; 3], FINITE;
+            /// Radius of its edges \[m\].
+            border: f64 = 0.0, NOT_NEGATIVE;
+        };
+        /// Lines from point to point.
+        Polyline {
+            /// The points \[m\].
+            points: Vec<[f64; 3]>, FINITE;
+        };
+        /// A surface of triangles.
+        TriMesh(Mesh);
+        /// Heights over a rectangle.
+        HeightField {
+            /// Rows along z of heights along x, as many in each \[m\].
+            heights: Vec<Vec<f64>>, FINITE;
+            /// Whole length along x, factor on heights, whole length along z.
+            size: [f64; 3], POSITIVE;
+        };
+        /// The convex hull of points.
+        Hull {
+            /// The points \[m\].
+            points: Vec<[f64; 3]>, FINITE;
+            /// Radius of its edges \[m\].
+            border: f64 = 0.0, NOT_NEGATIVE;
+        };
+        /// Convex parts of a closed surface.
+        Decomposition(Mesh);
+        /// Little boxes on a grid.
+        Voxels {
+            /// Sides of one \[m\].
+            size: [f64; 3], POSITIVE;
+            /// Which are there: any point of each \[m\].
+            points: Vec<[f64; 3]>, FINITE;
+        };
+        /// Several shapes as one.
+        Compound(Vec<Placed>, Length { from: 1, to: 1000 });
+    }
+}
+
+super::super::schema::record! {
+    /// A part of a compound.
+    pub struct Placed {
+        /// Its shape; not a compound itself.
+        shape: Shape;
+        /// Where it is \[m\].
+        translation: [f64; 3] = [0.0; 3], FINITE;
+        /// How it is turned: an axis, as long as the angle \[rad\].
+        rotation: [f64; 3] = [0.0; 3], FINITE;
+    }
+}
+
+/// A surface: the car that comes with the crate, a file, or its own points and triangles.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub enum Mesh {
+    /// The hatchback of the crash scenes: x forward, y up, tyres down to y = 0.
+    Hatchback,
+    /// A Wavefront OBJ file, relative to the scene's own.
+    File(PathBuf),
+    /// Points and triangles.
+    Points {
+        /// Vertices \[m\].
+        vertices: Vec<[f64; 3]>,
+        /// Three indices of vertices each, counter-clockwise seen from outside.
+        triangles: Vec<[u32; 3]>,
+    },
+}
+
+/// The explicit form of a mesh.
+mod explicit {
+    use super::*;
+
+    super::super::super::schema::record! {
+        /// A surface by its points.
+        pub struct Points {
+            /// Vertices \[m\].
+            vertices: Vec<[f64; 3]>, FINITE;
+            /// Three indices of vertices each, counter-clockwise seen from outside.
+            triangles: Vec<[u32; 3]>, POINTS;
+        }
+        then indices
+    }
+
+    fn indices(points: &Points, node: &Node, d: &mut Decoder) -> Option<()> {
+        let count = points.vertices.len();
+        let mut all = points.triangles.iter().flatten();
+        let Some(wrong) = all.find(|i| **i as usize >= count) else {
+            return Some(());
+        };
+        d.wrong(node.at, |_| {
+            format!("a triangle names vertex {wrong}, but there are {count}, counted from 0")
+        });
+        None
+    }
+}
+
+impl Decode for Mesh {
+    fn decode(node: &Node, d: &mut Decoder) -> Option<Self> {
+        match variant(node) {
+            Some(("Hatchback", None)) => return Some(Self::Hatchback),
+            Some(("File" | "Points", Some(inner))) => return Self::decode(inner, d),
+            _ => {}
+        }
+        match &node.value {
+            Value::Text(_) => file(node, d, &["obj"]).map(Self::File),
+            Value::Record(_) => {
+                let points = explicit::Points::decode(node, d)?;
+                Some(Self::Points {
+                    vertices: points.vertices,
+                    triangles: points.triangles,
+                })
+            }
+            _ => d.expected(
+                node,
+                "Hatchback, the path of an OBJ file in quotes, or (vertices: […], triangles: […])",
+            ),
+        }
+    }
+}
+
+/// A path with one of these endings, made absolute.
+pub(super) fn file(node: &Node, d: &mut Decoder, endings: &[&str]) -> Option<PathBuf> {
+    let text = String::decode(node, d)?;
+    let ending = std::path::Path::new(&text).extension();
+    if !ending.is_some_and(|e| endings.iter().any(|known| e.eq_ignore_ascii_case(known))) {
+        d.wrong(node.at, |_| {
+            format!("{text:?} must end in .{}", endings.join(" or ."))
+        });
+        return None;
+    }
+    let from = d.files.get(node.at.file).cloned().unwrap_or_default();
+    match (d.locate)(&from, &text) {
+        Ok(path) => Some(path),
+        Err(what) => {
+            d.wrong(node.at, |_| what);
+            None
+        }
+    }
+}
+
+impl Mesh {
+    /// Its forms, for the reference.
+    pub(crate) const KEYS: &'static [Entry] = &[
+        Entry {
+            owner: "Mesh",
+            key: "",
+            kind: "choice",
+            default: "",
+            doc: "A surface: `Hatchback`, the path of an OBJ file in quotes, or its own points and triangles.",
+        },
+        Entry {
+            owner: "Mesh",
+            ..explicit::Points::KEYS[1]
+        },
+        Entry {
+            owner: "Mesh",
+            ..explicit::Points::KEYS[2]
+        },
+    ];
+}
