@@ -83,9 +83,9 @@ impl<S: Scalar, B: Basis<N, G>, const N: usize, const G: usize> Blocks<S, B, N, 
     pub(super) fn point<V: Packed<S>>(&self, at: Batch, point: usize) -> Point<V> {
         let point = &self.list[at.block][point];
         let mut inverse = [[V::ZERO; 3]; 3];
-        for i in 0..3 {
-            for j in 0..3 {
-                inverse[i][j] = V::load(&point.inverse[i][j], at.part);
+        for (row, table) in inverse.iter_mut().zip(&point.inverse) {
+            for (entry, table) in row.iter_mut().zip(table) {
+                *entry = V::load(table, at.part);
             }
         }
         Point {

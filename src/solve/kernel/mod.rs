@@ -1,14 +1,13 @@
 //! The vector kernels: the force pass over springs and the pass of symplectic Euler over nodes, in `f32`.
 //!
-//! Springs lie in a table of sliced ELLPACK form ([`Sell`]): rows are nodes, sixteen side by side, and each row has all springs
+//! Springs lie in a table of sliced ELLPACK form: rows are nodes, sixteen side by side, and each row has all springs
 //! of its node. Both ends of a spring compute it, so forces are written once per node, not added to twice per spring: no
 //! two lanes write to one place, nothing needs to be cleared before, and each sum has one order. Twice the arithmetic is
 //! less than the price of scattering. Differences change sign exactly in floating point, and everything else of a spring is
 //! even in them, so both ends find the same tension to the last bit.
 //!
 //! **Every width gives the same bits**, and those of the scalar pass ([`super::forces`]): a row sums its springs in their order,
-//! products are not fused with sums (which on this memory-bound loop gains next to nothing), and square roots and quotients
-//! are exact. So [`Kernel`] is a matter of speed alone.
+//! products are not fused with sums, and square roots and quotients are exact. So [`Kernel`] is a matter of speed alone.
 
 mod integrate;
 mod limits;
