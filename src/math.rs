@@ -6,6 +6,7 @@
 
 pub use rapier3d::math::glamx::{DMat3, DQuat, DVec3};
 pub use rapier3d::math::{Pose, Real, Rotation, Vector};
+pub(crate) use rapier3d::na;
 
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
@@ -34,7 +35,8 @@ pub trait Number:
     const ZERO: Self;
     /// 1.
     const ONE: Self;
-    /// A relative error that doubles its digits in one step of Newton's method: the square root of the rounding.
+    /// A relative error that one step of Newton's method takes to the rounding: the square root of that, and for `f64`, where a
+    /// near-double root costs a digit or two, a tenth of it.
     const COARSE: f64;
     /// How many there are side by side.
     const LANES: usize;
@@ -133,7 +135,7 @@ macro_rules! scalar {
     };
 }
 scalar!(f32, 1e-4);
-scalar!(f64, 1e-8);
+scalar!(f64, 1e-9);
 
 /// `a + b` and what rounding took from it (Knuth's two-sum): `a + b == sum + error` exactly.
 #[inline(always)]

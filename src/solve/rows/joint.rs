@@ -4,8 +4,8 @@
 //! of a long lever each of them alone undoes what the others did.
 
 use crate::math::DVec3;
+use crate::math::na::{Cholesky, Const, SMatrix, SVector};
 use crate::solve::shadow::Shadow;
-use rapier3d::na::{Cholesky, Const, SMatrix, SVector};
 
 /// How much of a joint's opening is taken back in a substep.
 const PULL_BACK: f64 = 0.2;
