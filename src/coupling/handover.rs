@@ -2,12 +2,11 @@
 //! its shadow is, and with exactly the momentum the deformables gave.
 //!
 //! An impulse J before the step displaces J·dt/m, one after it nothing; a force F held over it s·F·dt²/m. A free body
-//! gets a first part that puts it at the shadow's position, and the rest of the impulse afterwards. A constrained body
-//! gets the mean force, so that Rapier's own constraints can answer it; where the shadow can't foresee the answer, it is
-//! measured. A mean force does not
-//! know when in the step the impulse came; where joints answer, which are linear, an impulse is split off so that the
-//! body also ends where its shadow is. (Without it a jointed pair leaves a hard impact 3 % too slow.) Rigid contacts are
-//! one-sided, and a split-off impulse may pull: bodies that press on others get the mean force alone.
+//! gets a first part that puts it at the shadow's position, and the rest of the impulse afterwards. A body with rigid
+//! contacts or joints gets it within the step, so that Rapier's own constraints can answer it: a part at the start and the
+//! rest as a force, split so that it ends where its shadow is. (The mean force alone, which does not know when in the step
+//! the impulse came, lets a jointed pair leave a hard impact 3 % too slow.) Where the shadow can't foresee the answer, it
+//! is the mean force, and the answer is measured.
 
 use super::linkage::Mobility;
 use super::memory::BodyMemory;
@@ -99,25 +98,12 @@ pub fn before_step(
             body.apply_torque_impulse(narrow(torque), false);
             pending.given = (impulse, torque);
         }
-        Answer::Pressed | Answer::Jointed | Answer::Link => {
+        Answer::Constrained | Answer::Jointed | Answer::Link => {
             pending.free = mobility.answer(end.impulse, end.torque, dt);
-            let mut early = (split.impulse, split.torque);
-            // With one solver iteration Rapier gives force and impulse the same displacement: nothing to split.
-            let alone = mobility.alone && answer == Answer::Jointed;
-            if alone && displacement_share(body, parameters) < 1.0 {
-                // early·dt + s·(P − early)·dt carries as far as the impulses did when they came.
-                let share = displacement_share(body, parameters);
-                let split =
-                    |carried: DVec3, sum: DVec3| (carried / dt - sum * share) / (1.0 - share);
-                early = (
-                    split(end.carried.0, end.impulse),
-                    split(end.carried.1, end.torque),
-                );
-            }
-            body.apply_impulse(narrow(early.0), false);
-            body.apply_torque_impulse(narrow(early.1), false);
-            body.add_force(narrow((end.impulse - early.0) / dt), false);
-            body.add_torque(narrow((end.torque - early.1) / dt), false);
+            body.apply_impulse(narrow(split.impulse), false);
+            body.apply_torque_impulse(narrow(split.torque), false);
+            body.add_force(narrow((end.impulse - split.impulse) / dt), false);
+            body.add_torque(narrow((end.torque - split.torque) / dt), false);
         }
     }
     pending
@@ -167,12 +153,12 @@ pub fn after_step(
             body.apply_impulse(narrow(end.impulse - pending.given.0), false);
             body.apply_torque_impulse(narrow(end.torque - pending.given.1), false);
         }
-        Answer::Pressed | Answer::Jointed | Answer::Link => {
+        Answer::Constrained | Answer::Jointed | Answer::Link => {
             body.reset_forces(false);
             body.reset_torques(false);
             body.add_force(pending.user.0, false);
             body.add_torque(pending.user.1, false);
-            if pending.answer != Answer::Pressed {
+            if pending.answer != Answer::Constrained {
                 let (v, w) = pending.before;
                 memory.answer(
                     wide(body.linvel()) - v,

@@ -7,10 +7,10 @@
 //! without.
 
 pub mod attach;
+pub mod constraints;
 pub mod handover;
 pub mod linkage;
 pub mod memory;
 pub mod nearest;
 pub mod observe;
-pub mod pressed;
 pub mod ties;

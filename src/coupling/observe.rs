@@ -1,8 +1,8 @@
 //! Reading a rigid body: its shadow, and whether something rigid holds it.
 
+use super::constraints::RigidConstraints;
 use super::linkage::{self, Mobility};
 use super::memory::{BodyMemory, Response};
-use super::pressed::Presses;
 use crate::contact::target::wide_rotation;
 use crate::math::{DMat3, DVec3, Vector, wide};
 use crate::solve::shadow::Shadow;
@@ -41,7 +41,7 @@ pub enum Answer {
     /// Like a free body.
     Free,
     /// Pressed against other rigid bodies or joined to them: its shadow keeps these contacts and joints.
-    Pressed,
+    Constrained,
     /// Held by joints that shadows can't keep, and perhaps by rigid contacts too.
     Jointed,
     /// A link of a multibody.
@@ -113,7 +113,7 @@ pub fn shadow(
     shadow.inv_inertia = scaled(about, mobility.inv_inertia, about);
     shadow.acceleration = mobility.acceleration * along;
     shadow.spin_up = mobility.spin_up * about;
-    let own = matches!(answer, Answer::Free | Answer::Pressed);
+    let own = matches!(answer, Answer::Free | Answer::Constrained);
     if own {
         shadow.lead = (displacement_share(body, around.parameters) - 0.5) * dt;
     }
@@ -157,7 +157,7 @@ pub fn velocity(body: &RigidBody, dt: f64) -> (DVec3, DVec3) {
 pub fn answer(
     handle: RigidBodyHandle,
     body: &RigidBody,
-    presses: &Presses,
+    constraints: &RigidConstraints,
     around: &Surroundings,
 ) -> Answer {
     if !body.is_dynamic() || body.is_sleeping() {
@@ -165,10 +165,10 @@ pub fn answer(
     } else if is_link(handle, around) {
         // Rapier rewrites the velocity of a link from its joint coordinates: impulses are lost on it, forces are not.
         Answer::Link
-    } else if has_joint(handle, around) && !presses.follows(handle) {
+    } else if has_joint(handle, around) && !constraints.follows(handle) {
         Answer::Jointed
-    } else if presses.has(handle) {
-        Answer::Pressed
+    } else if constraints.has(handle) {
+        Answer::Constrained
     } else {
         Answer::Free
     }
@@ -196,7 +196,7 @@ pub fn response(
         Answer::Jointed => linkage::mobility(handle, around, dt),
         _ => Mobility::free(body, around.gravity),
     };
-    if mobility.alone && answer != Answer::Link {
+    if !matches!(answer, Answer::Jointed | Answer::Link) {
         memory.response = None;
         return (mobility, Response::all(1.0));
     }

@@ -40,8 +40,6 @@ pub struct Shadow {
     pub impulse: DVec3,
     /// Sum of angular impulses about the centre of mass \[N·m·s\].
     pub torque: DVec3,
-    /// Both sums, integrated over time \[N·s²\], \[N·m·s²\]: the earlier an impulse came, the farther it has carried.
-    pub carried: (DVec3, DVec3),
 }
 
 impl Shadow {
@@ -62,7 +60,6 @@ impl Shadow {
         damping: (0.0, 0.0),
         impulse: DVec3::ZERO,
         torque: DVec3::ZERO,
-        carried: (DVec3::ZERO, DVec3::ZERO),
     };
 
     /// Takes an impulse and an angular impulse about the centre of mass \[N·s\], \[N·m·s\].
@@ -129,8 +126,6 @@ impl Shadow {
 
     /// Second half of a substep: position and orientation.
     pub fn advance(&mut self, h: f64) {
-        self.carried.0 += self.impulse * h;
-        self.carried.1 += self.torque * h;
         self.com += self.v * h;
         let turn = DQuat::from_scaled_axis(self.w * h);
         self.rot = (turn * self.rot).normalize();

@@ -10,11 +10,11 @@ use super::{
 };
 use crate::contact::candidates::Candidates;
 use crate::contact::target::Target;
+use crate::coupling::constraints::RigidConstraints;
 use crate::coupling::handover;
 use crate::coupling::linkage::Mobility;
 use crate::coupling::memory::{BodyMemory, Response};
 use crate::coupling::observe::{self, Answer, Surroundings};
-use crate::coupling::pressed::Presses;
 use crate::solve::shadow::Shadow;
 use rapier3d::dynamics::RigidBodyHandle;
 use std::collections::BTreeMap;
@@ -94,8 +94,8 @@ impl DeformableWorld {
         let meetings = self.find_meetings(&reaches, &search);
         let around = parts.surroundings();
         let touched = reaches.iter().flat_map(|r| self.touched_by(r));
-        let presses = Presses::gather(touched, &around, dt);
-        let group_of = self.join(&reaches, &meetings, &presses, &around);
+        let constraints = RigidConstraints::gather(touched, &around, dt);
+        let group_of = self.join(&reaches, &meetings, &constraints, &around);
         let handles: Vec<DeformableHandle> = reaches.iter().map(|r| r.handle).collect();
         let mut kept = std::mem::take(&mut self.contacts);
         let far = 0.01 * parts.length_unit();
@@ -111,8 +111,14 @@ impl DeformableWorld {
             group.members.push((reach.handle, body));
             let mut candidates = Vec::new();
             for mut target in reach.targets {
-                target.shadow =
-                    shadow_of(group, target.body, &mut self.memory, &presses, &around, dt);
+                target.shadow = shadow_of(
+                    group,
+                    target.body,
+                    &mut self.memory,
+                    &constraints,
+                    &around,
+                    dt,
+                );
                 let pair = group.add_pair(member, Partner::Collider(target.collider));
                 let key = (reach.handle.key(), target.collider.into_raw_parts());
                 candidates.push(match kept.remove(&key) {
@@ -134,7 +140,14 @@ impl DeformableWorld {
             else {
                 continue;
             };
-            let shadow = shadow_of(group, bond.body(), &mut self.memory, &presses, &around, dt);
+            let shadow = shadow_of(
+                group,
+                bond.body(),
+                &mut self.memory,
+                &constraints,
+                &around,
+                dt,
+            );
             let other = match bond.target {
                 AttachTo::Deformable(other) => {
                     let found = group.members.iter().position(|(h, _)| *h == other);
@@ -146,7 +159,7 @@ impl DeformableWorld {
             group.add_attachment(member, other, shadow, handle, bond.clone());
         }
         for group in groups.values_mut() {
-            group.find_rigid_contacts(&mut self.memory, &presses, &around, dt);
+            group.find_rigid_constraints(&mut self.memory, &constraints, &around, dt);
         }
         self.resume_encounters(&mut groups, &group_of, &handles, &meetings);
         groups.into_values().collect()
@@ -158,7 +171,7 @@ impl DeformableWorld {
         &self,
         reaches: &[Reach],
         meetings: &[Meeting],
-        presses: &Presses,
+        constraints: &RigidConstraints,
         around: &Surroundings,
     ) -> Vec<usize> {
         let mut parent: Vec<usize> = (0..reaches.len()).collect();
@@ -177,7 +190,7 @@ impl DeformableWorld {
                 let others = match first.get(&body.into_raw_parts()) {
                     Some(&other) => vec![other],
                     None => {
-                        let heap = presses.heap(body, around).into_iter();
+                        let heap = constraints.heap(body, around).into_iter();
                         heap.map(|b| *first.entry(b.into_raw_parts()).or_insert(i))
                             .collect()
                     }
@@ -238,8 +251,7 @@ impl DeformableWorld {
             .iter()
             .all(|s| s.impulse.is_finite() && s.torque.is_finite());
         group.release();
-        let iterations = parts.integration_parameters.num_solver_iterations.max(1);
-        let splits = group.splits(iterations, dt, 2e-5 * parts.length_unit());
+        let splits = group.splits(parts, dt);
         let near = group.near_bodies(NEAR * parts.length_unit());
         self.pause_encounters(&mut group);
         for (pair, sum) in group.pair_sums() {
@@ -320,7 +332,7 @@ pub(super) fn shadow_of(
     group: &mut Group,
     body: Option<RigidBodyHandle>,
     memory: &mut BTreeMap<BodyKey, BodyMemory>,
-    presses: &Presses,
+    constraints: &RigidConstraints,
     around: &Surroundings,
     dt: f64,
 ) -> u32 {
@@ -330,7 +342,7 @@ pub(super) fn shadow_of(
     if let Some(i) = group.touched.iter().position(|t| t.body == handle) {
         return i as u32 + 1;
     }
-    let answer = observe::answer(handle, body, presses, around);
+    let answer = observe::answer(handle, body, constraints, around);
     let (mobility, response) = if answer == Answer::None {
         (Mobility::free(body, around.gravity), Response::all(1.0))
     } else {

@@ -25,7 +25,7 @@ impl Group {
             let lost = displace(members, &rows.nodes, rows.terms_of(terms), by);
             if (shadow as usize)
                 .checked_sub(1)
-                .is_some_and(|i| matches!(touched[i].answer, Answer::Free | Answer::Pressed))
+                .is_some_and(|i| matches!(touched[i].answer, Answer::Free | Answer::Constrained))
             {
                 let shadow = &mut shadows[shadow as usize];
                 shadow.w += shadow.inv_inertia * lost;

@@ -4,6 +4,7 @@ mod attach;
 mod attachment;
 mod budget;
 mod builder;
+mod constraints;
 mod debug;
 #[cfg(feature = "debug-render")]
 mod debug_backend;
@@ -20,7 +21,6 @@ mod motion;
 mod observer;
 mod params;
 mod parts;
-mod pressed;
 mod query;
 mod reach;
 mod rehearse;

@@ -15,8 +15,6 @@ pub(super) struct Linkage {
     /// Response of all velocities and spins to all impulses, row after row.
     response: Vec<f64>,
     pub(super) acceleration: Vec<f64>,
-    /// Whether nothing but joints that are all here holds any of them.
-    pub(super) alone: bool,
 }
 
 impl Linkage {
@@ -34,7 +32,6 @@ impl Linkage {
             bodies: vec![first],
             response: Vec::new(),
             acceleration: Vec::new(),
-            alone: true,
         };
         let mut next = 0;
         while let Some(&current) = linkage.bodies.get(next) {
@@ -42,12 +39,8 @@ impl Linkage {
             for (a, b, _, _) in around.joints.attached_enabled_joints(current) {
                 let other = if a == current { b } else { a };
                 let moves = around.bodies.get(other).is_some_and(|b| b.is_dynamic());
-                if moves && linkage.index(other).is_none() {
-                    if linkage.bodies.len() == MOST {
-                        linkage.alone = false;
-                    } else {
-                        linkage.bodies.push(other);
-                    }
+                if moves && linkage.index(other).is_none() && linkage.bodies.len() < MOST {
+                    linkage.bodies.push(other);
                 }
             }
         }

@@ -16,7 +16,6 @@ impl Linkage {
         let pairs = body.colliders().iter();
         let pairs = pairs.flat_map(|&c| around.narrow_phase.contact_pairs_with(c));
         for pair in pairs.filter(|p| p.has_any_active_contact()) {
-            self.alone = false;
             for manifold in pair.solver_manifolds() {
                 let data = &manifold.data;
                 let handles = [data.rigid_body1, data.rigid_body2];

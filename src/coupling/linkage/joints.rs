@@ -2,6 +2,7 @@
 
 use super::bodies::Linkage;
 use crate::contact::target::wide_rotation;
+use crate::coupling::constraints::is_soft;
 use crate::coupling::observe::{Surroundings, velocity};
 use crate::math::{DQuat, DVec3, wide};
 use rapier3d::dynamics::{GenericJoint, RigidBody};
@@ -99,10 +100,7 @@ impl Linkage {
                 continue;
             }
             let data = &joint.data;
-            let free = !data.locked_axes.bits();
-            self.alone &= (data.limit_axes | data.motor_axes).bits() & free == 0;
-            if data.softness.natural_frequency * (dt as f32) < 1.0 {
-                self.alone = false;
+            if is_soft(data, dt) {
                 continue;
             }
             let (a, b) = (joint.body1(), joint.body2());

@@ -6,6 +6,8 @@
 //! back where the body really went. The constraints are taken in one after the other, each by an update of rank one; a
 //! redundant one finds nothing left to do.
 //!
+//! Shadows keep most joints themselves. This is for bodies of which one has limits, motors or a soft joint, which they can't.
+//!
 //! A rigid contact that presses counts as a joint too, and holds along the surface as long as it does not slide. That is
 //! right while it lasts, which nobody knows beforehand. So where there are contacts, and where there are limits, motors or
 //! soft joints, which are left out, a measured ratio scales the answer.
@@ -34,8 +36,6 @@ pub struct Mobility {
     pub acceleration: DVec3,
     /// Angular acceleration likewise \[rad/s²\].
     pub spin_up: DVec3,
-    /// Whether that is all: nothing but the joints that were looked at holds it.
-    pub alone: bool,
 }
 
 impl Mobility {
@@ -48,7 +48,6 @@ impl Mobility {
             inv_inertia: inv_inertia(body),
             acceleration,
             spin_up,
-            alone: true,
         }
     }
 
@@ -75,6 +74,5 @@ pub fn mobility(body: RigidBodyHandle, around: &Surroundings, dt: f64) -> Mobili
         inv_inertia: linkage.block(3, 3),
         acceleration: part(0),
         spin_up: part(3),
-        alone: linkage.alone,
     }
 }

@@ -14,14 +14,14 @@ mod pass;
 mod points;
 mod rigid;
 mod squeeze;
-mod wake;
+mod worklist;
 
 use crate::math::{DMat3, DVec3};
 use crate::solve::shadow::Shadow;
 pub use joint::JointRow;
 pub use rigid::RigidRow;
 use squeeze::Squeeze;
-use wake::Wake;
+use worklist::Worklist;
 
 /// A node that has at least one row.
 #[derive(Clone, Copy, Debug)]
@@ -167,7 +167,7 @@ pub struct Rows {
     /// Joints of shadows, which stay likewise.
     pub joints: Vec<JointRow>,
     squeeze: Squeeze,
-    wake: Wake,
+    worklist: Worklist,
 }
 
 impl Rows {

@@ -2,7 +2,7 @@
 
 use super::points::Points;
 use super::squeeze::Squeeze;
-use super::wake::Wake;
+use super::worklist::Worklist;
 use super::{JointRow, RigidRow, Row, Rows, Tie};
 use crate::law::row::{allowed_velocity, friction_impulse, normal_impulse, turning};
 use crate::math::{DMat3, DVec3};
@@ -18,7 +18,7 @@ impl Rows {
                 .find(self.nodes.len(), &self.contacts, &self.terms);
         }
         let rows = self.contacts.len() + self.ties.len() + self.rigid.len() + self.joints.len();
-        self.wake.start(self.nodes.len(), shadows, rows);
+        self.worklist.start(self.nodes.len(), shadows, rows);
         let mut pass = Pass {
             points: Points {
                 nodes: &mut self.nodes,
@@ -30,7 +30,7 @@ impl Rows {
             joints: &mut self.joints,
             shadows,
             squeeze: &self.squeeze,
-            wake: &mut self.wake,
+            worklist: &mut self.worklist,
             squeezed,
             h,
             tolerance: 0.0,
@@ -72,7 +72,7 @@ pub(super) struct Pass<'a> {
     pub joints: &'a mut [JointRow],
     pub shadows: &'a mut [Shadow],
     pub squeeze: &'a Squeeze,
-    pub wake: &'a mut Wake,
+    pub worklist: &'a mut Worklist,
     /// Whether `squeeze` is of these rows.
     squeezed: bool,
     h: f64,
@@ -114,7 +114,7 @@ impl Pass<'_> {
     fn solve_rigid(&mut self, reversed: bool) -> bool {
         let first = self.contacts.len() + self.ties.len();
         let (shadows, tolerance) = (&mut *self.shadows, self.tolerance);
-        self.wake.pass(first, self.rigid, reversed, |row| {
+        self.worklist.pass(first, self.rigid, reversed, |row| {
             row.solve(shadows, tolerance)
         })
     }
@@ -122,7 +122,7 @@ impl Pass<'_> {
     fn solve_joints(&mut self, reversed: bool) -> bool {
         let first = self.contacts.len() + self.ties.len() + self.rigid.len();
         let (shadows, tolerance) = (&mut *self.shadows, self.tolerance);
-        self.wake.pass(first, self.joints, reversed, |row| {
+        self.worklist.pass(first, self.joints, reversed, |row| {
             row.solve(shadows, tolerance)
         })
     }
@@ -150,7 +150,7 @@ impl Pass<'_> {
         for i in order {
             let row = &self.contacts[i];
             let terms = self.points.terms_of(row.terms);
-            if !self.wake.visit(i, terms, [row.shadow; 2]) {
+            if !self.worklist.visit(i, terms, [row.shadow; 2]) {
                 continue;
             }
             changed |= if self.is_squeezed(i) {
@@ -212,7 +212,7 @@ impl Pass<'_> {
         if changed {
             let row = &self.contacts[i];
             let terms = self.points.terms_of(row.terms);
-            self.wake.change(terms, [row.shadow; 2]);
+            self.worklist.change(terms, [row.shadow; 2]);
         }
         changed
     }
@@ -248,7 +248,7 @@ impl Pass<'_> {
             let tie = &mut self.ties[i];
             let terms = self.points.terms_of(tie.terms);
             let number = self.contacts.len() + i;
-            if !self.wake.visit(number, terms, [tie.shadow; 2]) {
+            if !self.worklist.visit(number, terms, [tie.shadow; 2]) {
                 continue;
             }
             let shadow = &mut self.shadows[tie.shadow as usize];
@@ -257,7 +257,7 @@ impl Pass<'_> {
             tie.impulse += change;
             if change.length() > self.tolerance * tie.impulse.length() {
                 changed = true;
-                self.wake.change(terms, [tie.shadow; 2]);
+                self.worklist.change(terms, [tie.shadow; 2]);
             }
             self.points.push(tie.terms, change);
             shadow.push(tie.arm, -change);

@@ -18,29 +18,39 @@ impl Observer for Deepest {
 }
 
 /// A heavy plate falls at 5 m/s on a light one, which rests on a block: the light one is stopped within one of Rapier's
-/// steps, by a contact that was not there in the step before, and its shadow must know.
+/// steps, by a contact that was not there in the step before, and its shadow must know. Without that the block's nodes are
+/// 18 mm deep in the plate. What the ledger misses is the trapezoid's error: a quarter of it at half the substep.
 #[test]
 fn a_blow_on_a_plate_that_lies_on_a_block() {
-    let mut world = floor();
-    let mut set = DeformableWorld::default();
-    let soft = set
-        .insert(block(10.0, 2.0e5).translation(Vector::Y * 0.2))
-        .unwrap();
-    let plate = |y: f32| RigidBodyBuilder::dynamic().translation(Vector::Y * y);
-    world.insert(plate(0.42), cuboid([0.25, 0.02, 0.25], 1.5));
-    world.insert(
-        plate(0.75).linvel(Vector::Y * -5.0),
-        cuboid([0.2, 0.05, 0.2], 6.0),
+    let residual = |safety: f64| {
+        let mut world = floor();
+        let mut set = DeformableWorld::default();
+        let substeps = Substeps::Auto {
+            safety,
+            min_h: 1.0e-7,
+        };
+        let soft = block(10.0, 2.0e5).substeps(substeps);
+        let soft = set.insert(soft.translation(Vector::Y * 0.2)).unwrap();
+        let plate = |y: f32| RigidBodyBuilder::dynamic().translation(Vector::Y * y);
+        world.insert(plate(0.42), cuboid([0.25, 0.02, 0.25], 1.5));
+        world.insert(
+            plate(0.75).linvel(Vector::Y * -5.0),
+            cuboid([0.2, 0.05, 0.2], 6.0),
+        );
+        let start = set[soft].energies();
+        let mut deepest = Deepest(0.0);
+        for _ in 0..30 {
+            set.step_with(&mut world, &(), &(), &mut deepest);
+        }
+        assert!(deepest.0 < 1.0e-3, "{:.2} mm deep", 1.0e3 * deepest.0);
+        let end = set[soft].energies();
+        (end.balance() - start.balance()).abs() / end.scale()
+    };
+    let (whole, half) = (residual(0.9), residual(0.45));
+    assert!(
+        whole < 1.0e-3 && half < whole / 3.0,
+        "{whole:.2e}, {half:.2e}"
     );
-    let start = set[soft].energies();
-    let mut deepest = Deepest(0.0);
-    for _ in 0..30 {
-        set.step_with(&mut world, &(), &(), &mut deepest);
-    }
-    assert!(deepest.0 < 2.0e-3, "{:.2} mm deep", 1.0e3 * deepest.0);
-    let end = set[soft].energies();
-    let residual = (end.balance() - start.balance()).abs() / end.scale();
-    assert!(residual < 1.0e-3, "{residual:.2e} of the energy is lost");
 }
 
 /// A damped block that starts 1 cm deep in a floor is moved out of it while its springs and dampers work: all is booked.
@@ -159,5 +169,5 @@ fn a_hinged_pair_takes_a_blow_beside_its_hinge() {
     });
     let sum = set[soft].momentum() + rigid[0] + rigid[1];
     let lost = (sum - momentum).length() / momentum.length();
-    assert!(lost < 1.0e-4, "{lost:.1e} of the momentum is lost");
+    assert!(lost < 1.0e-5, "{lost:.1e} of the momentum is lost");
 }

@@ -3,19 +3,19 @@
 
 use super::group::{BodyKey, shadow_of};
 use super::substep::Group;
+use crate::coupling::constraints::{RigidConstraints, RigidContact, RigidJoint};
 use crate::coupling::memory::BodyMemory;
 use crate::coupling::observe::{Answer, Surroundings};
-use crate::coupling::pressed::{HeldTogether, Presses, RigidContact};
 use crate::math::DVec3;
 use crate::solve::rows::{JointRow, RigidRow};
 use std::collections::{BTreeMap, BTreeSet};
 
 impl Group {
     /// Adds the contacts and joints of all touched bodies with other rigid ones, and of those with others again.
-    pub fn find_rigid_contacts(
+    pub fn find_rigid_constraints(
         &mut self,
         memory: &mut BTreeMap<BodyKey, BodyMemory>,
-        presses: &Presses,
+        constraints: &RigidConstraints,
         around: &Surroundings,
         dt: f64,
     ) {
@@ -23,18 +23,19 @@ impl Group {
         let mut next = 0;
         while let Some(touched) = self.touched.get(next) {
             next += 1;
-            if touched.answer != Answer::Pressed {
+            if touched.answer != Answer::Constrained {
                 continue;
             }
             let body = touched.body;
-            let mut shadow = |group: &mut Self, b| shadow_of(group, b, memory, presses, around, dt);
-            for (number, contact) in presses.contacts_of(body) {
+            let mut shadow =
+                |group: &mut Self, b| shadow_of(group, b, memory, constraints, around, dt);
+            for (number, contact) in constraints.contacts_of(body) {
                 if pressed.insert(number) {
                     let shadows = contact.bodies.map(|b| shadow(self, b));
                     self.add_rigid_contact(shadows, contact, dt);
                 }
             }
-            for (number, joint) in presses.joints_of(body) {
+            for (number, joint) in constraints.joints_of(body) {
                 if held.insert(number) {
                     let shadows = joint.bodies.map(|b| shadow(self, Some(b)));
                     self.add_joint(shadows, joint);
@@ -43,7 +44,7 @@ impl Group {
         }
     }
 
-    fn add_joint(&mut self, shadows: [u32; 2], joint: &HeldTogether) {
+    fn add_joint(&mut self, shadows: [u32; 2], joint: &RigidJoint) {
         let sides = shadows.map(|i| self.shadows[i as usize]);
         let anchor = |k: usize| sides[k].rot.inverse() * (joint.anchors[k] - sides[k].com);
         let opening = joint.anchors[1] - joint.anchors[0];
@@ -89,7 +90,7 @@ impl Group {
             pressed[shadow as usize] = true;
         }
         for (touched, pressed) in self.touched.iter_mut().zip(&pressed[1..]) {
-            if touched.answer == Answer::Pressed && !pressed {
+            if touched.answer == Answer::Constrained && !pressed {
                 touched.answer = Answer::Free;
             }
         }

@@ -9,7 +9,7 @@ use crate::solve::shadow::Shadow;
 
 /// When nodes and shadows last changed, in visits since the substep began.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Wake {
+pub(super) struct Worklist {
     now: u32,
     nodes: Vec<u32>,
     /// Never for a shadow that can't move, whatever pushes it.
@@ -19,7 +19,7 @@ pub(super) struct Wake {
     visits: Vec<u32>,
 }
 
-impl Wake {
+impl Worklist {
     /// Starts a substep: everything has yet to be visited.
     pub fn start(&mut self, nodes: usize, shadows: &[Shadow], rows: usize) {
         self.now = 1;

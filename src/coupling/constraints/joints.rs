@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 
 /// A joint of two bodies as it stands now.
 #[derive(Clone, Copy, Debug)]
-pub struct HeldTogether {
+pub struct RigidJoint {
     /// The bodies.
     pub bodies: [RigidBodyHandle; 2],
     /// The anchor on each \[m\].
@@ -65,11 +65,16 @@ fn is_plain(joint: &GenericJoint, dt: f64) -> bool {
     let free = !joint.locked_axes.bits();
     (joint.limit_axes | joint.motor_axes).bits() & free == 0
         && joint.coupled_axes.is_empty()
-        && f64::from(joint.softness.natural_frequency) * dt >= 1.0
+        && !is_soft(joint, dt)
+}
+
+/// Whether a joint gives way for longer than a step of `dt` s.
+pub fn is_soft(joint: &GenericJoint, dt: f64) -> bool {
+    f64::from(joint.softness.natural_frequency) * dt < 1.0
 }
 
 /// Where the joint holds its bodies.
-pub fn held(joint: &ImpulseJoint, around: &Surroundings) -> Option<HeldTogether> {
+pub fn held(joint: &ImpulseJoint, around: &Surroundings) -> Option<RigidJoint> {
     let bodies = [joint.body1(), joint.body2()];
     let data = &joint.data;
     let frame = |handle: RigidBodyHandle, local: &Pose| -> Option<(DVec3, DQuat)> {
@@ -82,7 +87,7 @@ pub fn held(joint: &ImpulseJoint, around: &Surroundings) -> Option<HeldTogether>
     let (first, turn) = frame(bodies[0], &data.local_frame1)?;
     let (second, _) = frame(bodies[1], &data.local_frame2)?;
     let locked = data.locked_axes.bits();
-    Some(HeldTogether {
+    Some(RigidJoint {
         bodies,
         anchors: [first, second],
         axes: [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| turn * axis),

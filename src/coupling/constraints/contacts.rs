@@ -1,7 +1,7 @@
 //! The points of a pair.
 
 use super::RigidContact;
-use super::partners::Pair;
+use super::pairs::Pair;
 use crate::coupling::observe::Surroundings;
 use crate::math::{DVec3, Pose, wide};
 use rapier3d::dynamics::CoefficientCombineRule;

@@ -5,13 +5,13 @@
 //! in the last. So the contacts are found here as Rapier is about to find them, at the poses and by the functions that
 //! it will use.
 
+mod contacts;
 mod joints;
-mod partners;
-mod points;
+mod pairs;
 
 use super::observe::{self, Answer, Surroundings};
 use crate::math::DVec3;
-pub use joints::HeldTogether;
+pub use joints::{RigidJoint, is_soft};
 use rapier3d::dynamics::RigidBodyHandle;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -36,15 +36,15 @@ pub struct RigidContact {
 
 /// The contacts and joints of bodies that deformables can touch, of what these press on or hang on, and so forth.
 #[derive(Debug, Default)]
-pub struct Presses {
+pub struct RigidConstraints {
     contacts: Vec<RigidContact>,
-    joints: Vec<HeldTogether>,
+    joints: Vec<RigidJoint>,
     followed: BTreeSet<(u32, u32)>,
     /// By the key of a body: the contacts it is part of, and the joints.
     of: BTreeMap<(u32, u32), [Vec<usize>; 2]>,
 }
 
-impl Presses {
+impl RigidConstraints {
     /// Those of `seeds` and of all that these lead to, for a step of `dt` s. What does not answer, and what shadows can't
     /// follow, ends a chain.
     pub fn gather(
@@ -75,11 +75,11 @@ impl Presses {
                     found.add_joint(joint);
                 }
             }
-            for pair in partners::of(body, around) {
+            for pair in pairs::of(body, around) {
                 if !pairs.insert(pair.key()) {
                     continue;
                 }
-                for contact in points::of(&pair, around) {
+                for contact in contacts::of(&pair, around) {
                     found.add_contact(contact);
                 }
                 others.extend(pair.bodies().into_iter().flatten());
@@ -101,7 +101,7 @@ impl Presses {
         self.contacts.push(contact);
     }
 
-    fn add_joint(&mut self, joint: HeldTogether) {
+    fn add_joint(&mut self, joint: RigidJoint) {
         for body in joint.bodies {
             let [_, joints] = self.of.entry(body.into_raw_parts()).or_default();
             joints.push(self.joints.len());
@@ -130,13 +130,13 @@ impl Presses {
     }
 
     /// The joints of a body, by their numbers.
-    pub fn joints_of(&self, body: RigidBodyHandle) -> impl Iterator<Item = (usize, &HeldTogether)> {
+    pub fn joints_of(&self, body: RigidBodyHandle) -> impl Iterator<Item = (usize, &RigidJoint)> {
         let of = self.of.get(&body.into_raw_parts());
         let list = of.into_iter().flat_map(|[_, joints]| joints);
         list.map(|&i| (i, &self.joints[i]))
     }
 
-    /// The bodies that a body presses on or hangs on, those that they do, and so forth, itself included; those that don't
+    /// The bodies that a body constraints on or hangs on, those that they do, and so forth, itself included; those that don't
     /// answer, and those that shadows can't follow, end a chain.
     pub fn heap(&self, body: RigidBodyHandle, around: &Surroundings) -> Vec<RigidBodyHandle> {
         let mut heap = vec![body];
@@ -144,7 +144,7 @@ impl Presses {
         let mut next = 0;
         while let Some(&handle) = heap.get(next) {
             next += 1;
-            let pressed = |b| observe::answer(handle, b, self, around) == Answer::Pressed;
+            let pressed = |b| observe::answer(handle, b, self, around) == Answer::Constrained;
             if !around.bodies.get(handle).is_some_and(pressed) {
                 continue;
             }
