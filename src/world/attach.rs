@@ -67,6 +67,7 @@ impl DeformableWorld {
             }
         }
         let about = attachment.at.map_or(mean, wide);
+        self.wake_attached(deformable, target);
         Ok(AttachmentHandle(self.attachments.insert(Bond {
             deformable,
             target,
@@ -92,7 +93,20 @@ impl DeformableWorld {
         bond.map(|bond| self.release(&bond)).is_some()
     }
 
+    fn wake_attached(&mut self, deformable: DeformableHandle, target: AttachTo) {
+        let other = match target {
+            AttachTo::Deformable(other) => Some(other),
+            _ => None,
+        };
+        for handle in [Some(deformable), other].into_iter().flatten() {
+            if let Some(body) = self.get_mut(handle) {
+                body.wake_up();
+            }
+        }
+    }
+
     fn release(&mut self, bond: &AttachmentState) {
+        self.wake_attached(bond.deformable, bond.target);
         if let Some(owner) = self.get_mut(bond.deformable) {
             owner.links -= bond.energy;
             owner.solver.work.external -= bond.energy;
@@ -186,7 +200,7 @@ impl DeformableWorld {
             if bond.loose || bond.is_link() || bond.is_broken() {
                 continue;
             }
-            if !rigid.is_enabled() || !soft.is_enabled() {
+            if !rigid.is_enabled() || !soft.is_active() {
                 continue;
             }
             let (com, rot) = frame(rigid);

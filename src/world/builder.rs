@@ -2,6 +2,7 @@
 
 use super::Deformable;
 use super::into::{IntoNet, IntoTetMesh};
+use super::islands::Sleep;
 use super::params::Substeps;
 use crate::body::error::{not_negative, positive};
 use crate::body::{Blueprint, BuildError, Material, Net, Node, Solid, SolidMesh, Topology};
@@ -50,6 +51,7 @@ pub struct DeformableBuilder {
     substeps: Option<Substeps>,
     field: Option<Arc<dyn ForceField>>,
     enabled: bool,
+    can_sleep: bool,
     user_data: u128,
 }
 
@@ -73,6 +75,7 @@ impl DeformableBuilder {
             substeps: None,
             field: None,
             enabled: true,
+            can_sleep: true,
             user_data: 0,
         }
     }
@@ -239,6 +242,13 @@ impl DeformableBuilder {
         self
     }
 
+    /// Whether it may fall asleep, as it may by default: when it is damped, touches or is held by something, and has been
+    /// [slow](super::DeformableParameters::sleep_speed) for a while, as have all bodies it touches.
+    pub fn can_sleep(mut self, can_sleep: bool) -> Self {
+        self.can_sleep = can_sleep;
+        self
+    }
+
     /// Anything the user wants to keep with the body.
     pub fn user_data(mut self, data: u128) -> Self {
         self.user_data = data;
@@ -352,6 +362,7 @@ impl DeformableBuilder {
             substeps: self.substeps,
             field: self.field,
             enabled: self.enabled,
+            sleep: Sleep::new(self.can_sleep),
             user_data: self.user_data,
             ..Deformable::default()
         };

@@ -1,5 +1,6 @@
 //! A deformable body in the world: blueprint, state, solver and settings, and the face through which users read it.
 
+use super::islands::Sleep;
 use super::motion::Start;
 use super::params::{DeformableParameters, Substeps};
 use crate::body::search::tree::Cache;
@@ -30,6 +31,7 @@ pub struct Deformable {
     pub(super) field: Option<Arc<dyn ForceField>>,
     pub(super) enabled: bool,
     pub(super) frozen: bool,
+    pub(super) sleep: Sleep,
     /// Persistent force and force of the coming step on each node \[N\]; empty when none was ever set.
     pub(super) node_forces: Vec<(Vector, Vector)>,
     /// Nodes led to a point of the world by the end of the coming step.
@@ -245,6 +247,11 @@ impl Deformable {
     /// Whether it takes part in the simulation.
     pub fn is_enabled(&self) -> bool {
         self.enabled && !self.frozen
+    }
+
+    /// Whether it is advanced: enabled, not frozen, and awake.
+    pub(super) fn is_active(&self) -> bool {
+        self.is_enabled() && !self.sleep.asleep
     }
 
     /// Whether it was frozen because its state became non-finite.

@@ -12,6 +12,7 @@ use std::sync::Arc;
 impl Deformable {
     /// Books a change made from outside, so that the energy balance stays closed: it is external work.
     pub(super) fn edit<T>(&mut self, change: impl FnOnce(&mut Self) -> T) -> T {
+        self.wake_up();
         let before = self.energies().balance();
         self.moved_out.clear();
         let result = change(self);
@@ -23,12 +24,14 @@ impl Deformable {
 
     /// Enables or disables the body. A disabled body stays where it is and touches nothing.
     pub fn set_enabled(&mut self, enabled: bool) {
+        self.wake_up();
         self.enabled = enabled;
     }
 
     /// Friction, collision groups and thickness. Nothing is checked here: a thickness above what `build` takes is used as it
     /// is.
     pub fn surface_mut(&mut self) -> &mut Surface {
+        self.wake_up();
         &mut self.surface
     }
 
@@ -125,6 +128,7 @@ impl Deformable {
                 .get(node.index())
                 .is_some_and(|p| p.inv_mass == 0.0);
         if ok {
+            self.wake_up();
             self.led.retain(|(n, _)| *n != node.0);
             self.led.push((node.0, wide(target)));
         }
@@ -151,6 +155,7 @@ impl Deformable {
         if !force.is_finite() || node.index() >= self.node_count() {
             return None;
         }
+        self.wake_up();
         self.node_forces
             .resize(self.node_count(), Default::default());
         self.node_forces.get_mut(node.index())
@@ -158,6 +163,7 @@ impl Deformable {
 
     /// Sets the force field on all nodes; `None` for none.
     pub fn set_force_field(&mut self, field: Option<Arc<dyn ForceField>>) {
+        self.wake_up();
         self.field = field;
     }
 
@@ -248,6 +254,7 @@ impl Deformable {
 
     /// Lets a frozen body take part again, from where it stands and at rest.
     pub fn thaw(&mut self) {
+        self.wake_up();
         self.frozen = false;
     }
 }

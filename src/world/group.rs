@@ -65,7 +65,7 @@ impl DeformableWorld {
         forms.forget_unused();
         let reaches: Vec<Reach> = self
             .iter()
-            .filter(|(_, body)| body.is_enabled())
+            .filter(|(_, body)| body.is_active())
             .map(|(handle, body)| Reach {
                 handle,
                 targets: reach::targets(
@@ -103,9 +103,10 @@ impl DeformableWorld {
         let mut bonds = Vec::new();
         for (i, reach) in reaches.into_iter().enumerate() {
             let group = groups.entry(group_of[i]).or_insert_with(Group::empty);
-            let Some(body) = self.take(reach.handle) else {
+            let Some(mut body) = self.take(reach.handle) else {
                 continue;
             };
+            body.sleep.beside_rigid = reach.targets.iter().any(|t| t.body.is_some());
             let member = group.members.len();
             let (moved, spacing) = ((body.edits, body.shifted), body.topology.spacing);
             group.members.push((reach.handle, body));
@@ -134,6 +135,8 @@ impl DeformableWorld {
             let attachments = reach.attachments.into_iter();
             bonds.extend(attachments.map(|h| (group_of[i], member as u32, h)));
         }
+        kept.retain(|&(deformable, _), _| self.sleeps(deformable));
+        self.contacts = kept;
         for (number, member, handle) in bonds {
             let (Some(group), Some(bond)) =
                 (groups.get_mut(&number), self.attachments.get(handle.0))
@@ -252,6 +255,7 @@ impl DeformableWorld {
             .all(|s| s.impulse.is_finite() && s.torque.is_finite());
         group.release();
         let splits = group.splits(parts, dt);
+        self.drowsy.extend(group.as_island(dt, &self.params));
         let near = group.near_bodies(NEAR * parts.length_unit());
         self.pause_encounters(&mut group);
         for (pair, sum) in group.pair_sums() {

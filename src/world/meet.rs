@@ -109,7 +109,7 @@ impl DeformableWorld {
         let mut swept: Vec<Swept> = reaches
             .iter()
             .zip(&bodies)
-            .map(|(reach, body)| swept(reach, body, search))
+            .map(|(reach, body)| swept(reach.handle, body, search))
             .collect();
         meetings.keep(&swept);
         let unit = search.parts.length_unit();
@@ -181,6 +181,8 @@ impl DeformableWorld {
             encounter.attached = group.attached_nodes(members);
             group.encounters.push(encounter);
         }
+        kept.retain(|&(a, _), _| self.sleeps(a));
+        self.encounters = kept;
     }
 
     /// Takes the encounters out of a group and puts them by for the next step.
@@ -194,9 +196,23 @@ impl DeformableWorld {
     }
 }
 
-fn swept(reach: &group::Reach, body: &Deformable, search: &Search) -> Swept {
+impl DeformableWorld {
+    /// Where a body may be in the coming step.
+    pub(super) fn swept_box(
+        &self,
+        handle: DeformableHandle,
+        body: &Deformable,
+        search: &Search,
+    ) -> Aabb {
+        let swept = swept(handle, body, search);
+        let by = travel(swept.speed, search.dt, search.parts) as f32;
+        Aabb::new(swept.bounds.mins - by, swept.bounds.maxs + by)
+    }
+}
+
+fn swept(handle: DeformableHandle, body: &Deformable, search: &Search) -> Swept {
     let mut speed = f64::from(body.max_speed_squared()).sqrt();
-    if reach.targets.iter().any(|t| t.body.is_some()) {
+    if body.sleep.beside_rigid {
         speed = speed.max(search.rigid_speed);
     }
     let (lo, hi) = body.bounds();
@@ -206,7 +222,7 @@ fn swept(reach: &group::Reach, body: &Deformable, search: &Search) -> Swept {
     let spacing = if spacing.is_finite() { spacing } else { 0.0 };
     let more = coarse + spacing.max(body.surface().thickness.into());
     Swept {
-        slot: reach.handle.key().0,
+        slot: handle.key().0,
         bounds: Aabb::new(narrow(lo - more), narrow(hi + more)),
         speed,
     }

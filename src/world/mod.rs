@@ -14,6 +14,7 @@ mod energies;
 mod group;
 mod hooks;
 mod into;
+mod islands;
 mod kinematic;
 mod meet;
 mod mend;
@@ -132,6 +133,9 @@ pub struct DeformableWorld {
     known: reach::Known,
     /// Who touches whom.
     touches: BTreeMap<touch::TouchKey, touch::Touch>,
+    /// Groups asleep, and groups that may fall asleep at the end of the step.
+    islands: Vec<islands::Island>,
+    drowsy: Vec<islands::Island>,
     /// What is to be looked at after the Rapier step under way.
     sensing: Vec<sense::Sensing>,
     gate: hooks::Gate,
@@ -215,7 +219,9 @@ impl DeformableWorld {
 
     /// Hash of the state of all bodies and of the coupling memory, bit for bit.
     pub fn state_hash(&self) -> u64 {
-        let bodies = self.iter().map(|(_, b)| b.state_hash());
+        let bodies = self
+            .iter()
+            .flat_map(|(_, b)| [b.state_hash(), b.sleep.bits()]);
         let memory = self.memory.values().flat_map(|m| {
             let known = m.response.unwrap_or(Response::all(-1.0));
             let [along, about, load] = [known.along, known.about, m.load].map(|v| v.to_array());

@@ -71,6 +71,10 @@ pub struct DeformableParameters {
     pub push_out_speed: f64,
     /// The stable substep is found anew at least this often \[s\].
     pub review_interval: f64,
+    /// Bodies whose nodes are all slower than this fall asleep, in length units per second; 0 lets none do so.
+    pub sleep_speed: f64,
+    /// For how long they must have been that slow \[s\].
+    pub sleep_after: f64,
     /// With which vectors forces are computed. A matter of speed alone: all give the same bits.
     pub kernel: Kernel,
 }
@@ -85,6 +89,8 @@ impl Default for DeformableParameters {
             passes: 4,
             push_out_speed: 0.3,
             review_interval: 1.0 / 240.0,
+            sleep_speed: 2e-3,
+            sleep_after: 1.0,
             kernel: Kernel::Auto,
         }
     }

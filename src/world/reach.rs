@@ -11,7 +11,7 @@ use super::{Deformable, DeformableHandle, RapierParts};
 use crate::contact::form::Forms;
 use crate::contact::target::{Target, admits, pushes, target, wide_rotation};
 use crate::coupling::observe::velocity;
-use crate::math::{Pose, narrow, wide};
+use crate::math::{Pose, wide};
 use crate::solve::shadow::Shadow;
 use rapier3d::dynamics::RigidBodyHandle;
 use rapier3d::geometry::{Aabb, Collider, ColliderHandle};
@@ -119,15 +119,22 @@ pub(super) fn for_each_in_reach(
     (own, body): (DeformableHandle, &Deformable),
     search: &Search,
     gate: &mut Gate,
+    found: impl FnMut(ColliderHandle, &Collider, bool),
+) {
+    let speed = f64::from(body.max_speed_squared()).sqrt();
+    let reach = travel(speed + search.rigid_speed, search.dt, search.parts);
+    for_each_within((own, body), &body.box_within(reach), search, gate, found);
+}
+
+/// As [`for_each_in_reach`], for every collider within `bounds`.
+pub(super) fn for_each_within(
+    (own, body): (DeformableHandle, &Deformable),
+    bounds: &Aabb,
+    search: &Search,
+    gate: &mut Gate,
     mut found: impl FnMut(ColliderHandle, &Collider, bool),
 ) {
     let parts = search.parts;
-    let speed = f64::from(body.max_speed_squared()).sqrt();
-    let reach = travel(speed + search.rigid_speed, search.dt, parts);
-    let (lo, hi) = body.bounds();
-    // f32 corners far from the origin are coarse: a relative margin covers it.
-    let coarse = (lo.abs().max(hi.abs()) * 2e-7).max_element();
-    let aabb = Aabb::new(narrow(lo - reach - coarse), narrow(hi + reach + coarse));
     let query = parts.broad_phase.as_query_pipeline(
         &DefaultQueryDispatcher,
         parts.bodies,
@@ -135,14 +142,14 @@ pub(super) fn for_each_in_reach(
         QueryFilter::default(),
     );
     let mut hits: Vec<_> = query
-        .intersect_aabb_conservative(aabb)
+        .intersect_aabb_conservative(*bounds)
         .map(|(handle, _)| handle)
         .collect();
     hits.extend(search.strays.iter().filter(|h| {
         parts.colliders.get(**h).is_some_and(|c| {
             c.shape()
                 .compute_aabb(&true_pose(c, parts))
-                .intersects(&aabb)
+                .intersects(bounds)
         })
     }));
     hits.sort_by_key(|handle| handle.into_raw_parts());

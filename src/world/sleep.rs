@@ -10,14 +10,14 @@ impl DeformableWorld {
     /// Wakes bodies that a deformable is about to hit, at twice the speed below which Rapier lets bodies sleep.
     pub(super) fn wake_sleepers_in_the_way(&mut self, parts: &mut RapierParts, dt: f64) {
         let threshold = 0.1 * parts.length_unit();
-        if !self.iter().any(|(_, b)| b.is_enabled()) {
+        if !self.iter().any(|(_, b)| b.is_active()) {
             return;
         }
         let search = Search::new(&self.known, parts, dt);
         let mut wake = Vec::new();
         let mut forms = std::mem::take(&mut self.forms);
         let mut gate = self.open_gate();
-        for own in self.iter().filter(|(_, b)| b.is_enabled()) {
+        for own in self.iter().filter(|(_, b)| b.is_active()) {
             wake.extend(reach::sleepers_in_the_way(
                 own, &search, &mut gate, &mut forms, threshold,
             ));
@@ -33,6 +33,7 @@ impl DeformableWorld {
         let gravity = wide(parts.gravity).length();
         let mut wake = Vec::new();
         let steps = self.steps;
+        self.feel_sleeping_islands();
         self.memory.retain(|&(index, generation), memory| {
             let handle = RigidBodyHandle::from_raw_parts(index, generation);
             let Some(body) = parts.bodies.get(handle) else {
@@ -53,7 +54,7 @@ impl DeformableWorld {
         }
     }
 
-    /// Rapier lets sleepers sleep when gravity changes; those that lie on deformables are woken.
+    /// Rapier lets sleepers sleep when gravity changes; those that lie on deformables are woken, and the deformables.
     pub(super) fn wake_on_new_gravity(&mut self, parts: &mut RapierParts) {
         let old = self.gravity.replace(parts.gravity);
         if old.is_some_and(|g| g != parts.gravity) {
@@ -63,6 +64,7 @@ impl DeformableWorld {
                     parts.islands.wake_up(parts.bodies, handle, true);
                 }
             }
+            self.iter_mut().for_each(|(_, body)| body.wake_up());
         }
     }
 }

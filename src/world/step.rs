@@ -42,6 +42,8 @@ impl DeformableWorld {
         }
         self.settle(&mut RapierParts::from(&mut *world), observer);
         self.report.rigid_steps = 1;
+        self.wake_on_new_gravity(&mut RapierParts::from(&mut *world));
+        self.wake_islands(&RapierParts::from(&mut *world), dt);
         if dt == 0.0 {
             world.step_with_events(hooks, events);
             return;
@@ -58,6 +60,9 @@ impl DeformableWorld {
             let left = dt * (steps - m) as f64 / steps as f64;
             let mut parts = RapierParts::from(&mut *world);
             parts.integration_parameters = &parameters;
+            if m > 0 {
+                self.wake_islands(&parts, dt / steps as f64);
+            }
             self.advance(&mut parts, dt / steps as f64, dt, left, observer);
             if steps == 1 {
                 world.step_with_events(hooks, events);
@@ -80,6 +85,8 @@ impl DeformableWorld {
             self.report.invalid_dt = Some(dt);
         } else if dt > 0.0 {
             self.settle(parts, observer);
+            self.wake_on_new_gravity(parts);
+            self.wake_islands(parts, dt);
             self.begin_touches();
             self.report.rigid_steps = 1;
             self.wake_sleepers_in_the_way(parts, dt);
@@ -120,7 +127,7 @@ impl DeformableWorld {
             return ((dt / longest - 1e-6).ceil() as usize).max(1);
         }
         // Never more often than the deformables themselves.
-        let bodies = self.iter().filter(|(_, b)| b.is_enabled());
+        let bodies = self.iter().filter(|(_, b)| b.is_active());
         let substeps = bodies.map(|(_, b)| b.substeps_for(dt, dt).0).max();
         let most = substeps.unwrap_or(1);
         let wanted = if longest > 0.0 {
@@ -138,13 +145,13 @@ impl DeformableWorld {
                 .get(h)
                 .is_some_and(|b| b.is_dynamic() && !b.is_sleeping() && b.is_enabled())
         };
-        if !self.iter().any(|(_, b)| b.is_enabled()) {
+        if !self.iter().any(|(_, b)| b.is_active()) {
             return false;
         }
         let search = Search::new(&self.known, parts, dt);
         let mut found = false;
         let mut gate = self.open_gate();
-        for own in self.iter().filter(|(_, b)| b.is_enabled()) {
+        for own in self.iter().filter(|(_, b)| b.is_active()) {
             reach::for_each_in_reach(own, &search, &mut gate, |_, collider, pushes| {
                 let moves = collider.parent().is_some_and(awake);
                 found |= pushes && moves && Form::takes(collider.shape());
@@ -166,12 +173,14 @@ impl DeformableWorld {
     ) {
         self.drop_stale_attachments(Some(&*parts.bodies));
         self.find_loose_attachments(parts);
-        self.wake_on_new_gravity(parts);
         for (_, attachment) in self.attachments.iter_mut() {
-            (attachment.force, attachment.torque, attachment.moment) = Default::default();
+            let owner = self.bodies.get(attachment.deformable.0);
+            if !owner.is_some_and(|b| b.is_sleeping()) {
+                (attachment.force, attachment.torque, attachment.moment) = Default::default();
+            }
         }
         let defaults = self.params;
-        for (_, body) in self.bodies.iter_mut().filter(|(_, b)| b.is_enabled()) {
+        for (_, body) in self.bodies.iter_mut().filter(|(_, b)| b.is_active()) {
             body.defaults = defaults;
             body.state.recentre(parts.length_unit());
             body.solver.time = self.time;
@@ -179,12 +188,14 @@ impl DeformableWorld {
             body.back_up();
         }
         let mut parity = self.parity;
+        self.drowsy.clear();
         for mut group in self.form_groups(parts, dt) {
             parity ^= self.advance_group(&mut group, parts, dt, frame, observer);
             self.dissolve(group, parts, dt);
         }
         self.parity = parity;
         self.time += dt;
+        self.observe_islands(dt, observer);
     }
 
     /// Returns whether it took an odd number of substeps.
@@ -302,6 +313,7 @@ impl DeformableWorld {
         for (_, body) in self.bodies.iter_mut() {
             body.end_frame();
         }
+        self.fall_asleep(parts, dt);
     }
 }
 

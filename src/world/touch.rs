@@ -6,6 +6,7 @@
 use super::observer::{Observer, PairImpulse, Partner};
 use super::{DeformableHandle, DeformableWorld, RapierParts};
 use crate::math::DVec3;
+use rapier3d::data::arena::Index;
 
 /// What one partner did to one deformable in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,7 +44,8 @@ pub enum TouchEventKind {
         removed: bool,
     },
     /// The mean force over the step was above the deformable's
-    /// [`contact_force_event_threshold`](crate::contact::target::Surface::contact_force_event_threshold).
+    /// [`contact_force_event_threshold`](crate::contact::target::Surface::contact_force_event_threshold). Bodies asleep
+    /// make no such events, as with Rapier.
     Force,
 }
 
@@ -167,6 +169,21 @@ impl PairSum {
         self.weight += impulse;
     }
 
+    /// Whether anything touched.
+    pub fn is_touching(&self) -> bool {
+        self.touching > 0
+    }
+
+    /// The mean over a rigid step of `dt` s, per second.
+    pub fn mean(&self, pair: &PairImpulse, dt: f64) -> PairImpulse {
+        PairImpulse {
+            impulse: self.impulse / dt,
+            depth: self.depth,
+            touching: self.touching,
+            ..*pair
+        }
+    }
+
     /// Takes in a substep of h s.
     #[inline]
     pub fn add(&mut self, pair: &PairImpulse, h: f64) {
@@ -233,8 +250,25 @@ impl DeformableWorld {
 
     /// Begins a step: what touched in the last one is not read any more.
     pub(super) fn begin_touches(&mut self) {
+        for (key, touch) in &mut self.touches {
+            let (index, generation) = key.0;
+            let sleeps = self.bodies.get(Index::from_raw_parts(index, generation));
+            if sleeps.is_none_or(|b| !b.is_sleeping()) {
+                touch.clear();
+            }
+        }
+    }
+
+    /// Begins a step of a body that has just been woken.
+    pub(super) fn clear_touches_of(&mut self, deformable: DeformableHandle) {
+        let steps = self.steps;
         for touch in self.touches.values_mut() {
-            touch.clear();
+            if touch.contact.deformable == deformable {
+                if touch.inside != u64::MAX {
+                    touch.inside = steps;
+                }
+                touch.clear();
+            }
         }
     }
 
@@ -273,6 +307,11 @@ impl DeformableWorld {
             ..
         } = self;
         touches.retain(|_, touch| {
+            // What was told of a body asleep holds as long as it sleeps.
+            let asleep = bodies.get(touch.contact.deformable.0);
+            if asleep.is_some_and(|b| b.is_sleeping()) {
+                return true;
+            }
             touch.finish(dt);
             let now = touch.pushed || touch.inside == *steps;
             let (began, was) = (touch.seen && !touch.before, touch.seen || touch.before);

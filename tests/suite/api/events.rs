@@ -41,6 +41,7 @@ fn a_block_lands_rests_and_is_left() {
         cube(0.3)
             .translation(Vector::new(x, 0.3, 0.0))
             .contact_force_event_threshold(threshold)
+            .can_sleep(false)
     };
     let heavy = set.insert(block(0.0, 1.0)).unwrap();
     let light = set.insert(block(1.0, 1.0e6)).unwrap();

@@ -1,6 +1,7 @@
 //! Rigid bodies asleep on deformables, and what must wake them.
 
 use crate::fixtures::{cube, floored};
+use crumple::body::{Net, Node};
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
 
@@ -101,4 +102,207 @@ fn a_hit_wakes_a_sleeper_it_never_touched_before() {
     let x = world.bodies[rigid].translation().x;
     assert!(x > 0.05, "the box was pushed to {x} m");
     assert!(set[soft].linvel().is_finite());
+}
+
+/// A rubber cube alone on the floor, 1 s after it fell asleep.
+fn cube_asleep() -> (
+    PhysicsWorld,
+    DeformableWorld,
+    DeformableHandle,
+    ColliderHandle,
+) {
+    let (mut world, floor) = floored(1.0 / 60.0);
+    let mut set = DeformableWorld::new();
+    let soft = set
+        .insert(cube(0.3).translation(Vector::new(0.0, 0.15, 0.0)))
+        .unwrap();
+    let mut slept = 0;
+    for _ in 0..900 {
+        set.step(&mut world);
+        slept += usize::from(set[soft].is_sleeping());
+        if slept > 60 {
+            return (world, set, soft, floor);
+        }
+    }
+    panic!("the cube does not fall asleep: {:?}", set[soft].linvel());
+}
+
+#[derive(Default)]
+struct Given {
+    impulse: f64,
+    time: f64,
+}
+
+impl Observer for Given {
+    fn substep(&mut self, s: &Substep) {
+        let up: f64 = s.contacts.iter().map(|c| c.impulse.y).sum();
+        self.impulse += up;
+        self.time += s.h;
+    }
+}
+
+#[test]
+fn a_deformable_at_rest_falls_asleep_and_goes_on_bearing_its_weight() {
+    let (mut world, mut set, soft, floor) = cube_asleep();
+    let weight = set[soft].mass() * 9.81;
+    let (hash, energies) = (set[soft].state_hash(), set[soft].energies());
+    let mut given = Given::default();
+    for _ in 0..120 {
+        set.step_with(&mut world, &(), &(), &mut given);
+        assert!(set[soft].is_sleeping());
+        assert!(set.report().substeps.is_empty() && set.report().events.is_empty());
+        let force = set.contact_force(soft, floor).unwrap();
+        assert!((force.y / weight - 1.0).abs() < 1e-3, "{force}");
+    }
+    assert_eq!(set[soft].state_hash(), hash);
+    assert_eq!(set[soft].energies(), energies);
+    assert!((given.time - 2.0).abs() < 1e-6, "{}", given.time);
+    let mean = given.impulse / given.time;
+    assert!((mean / weight - 1.0).abs() < 1e-3, "{mean} of {weight}");
+    // What its last motion held is booked, and next to nothing.
+    let start = (energies.balance()).abs() / energies.scale();
+    assert!(start < 1e-3, "{start:.2e}");
+    set[soft].wake_up();
+    set.step(&mut world);
+    assert!(set.report().events.is_empty(), "the contact goes on");
+    assert!(set[soft].linvel().length() < 1e-3);
+}
+
+#[test]
+fn a_rigid_body_and_what_it_lies_on_sleep_together() {
+    let (mut world, mut set, soft, rigid) = asleep();
+    for _ in 0..300 {
+        set.step(&mut world);
+    }
+    assert!(set[soft].is_sleeping() && world.bodies[rigid].is_sleeping());
+    for _ in 0..300 {
+        set.step(&mut world);
+        assert!(set[soft].is_sleeping() && world.bodies[rigid].is_sleeping());
+    }
+    let body = &mut world.bodies[rigid];
+    body.apply_impulse(Vector::Y * 3.0 * body.mass(), true);
+    set.step(&mut world);
+    assert!(!set[soft].is_sleeping(), "its load is gone");
+    for _ in 0..10 {
+        set.step(&mut world);
+    }
+    let risen = set[soft].center_of_mass().y;
+    assert!(risen > 0.1, "{risen}");
+}
+
+/// Everything that must wake a deformable, each tried alone.
+#[test]
+fn what_wakes_a_deformable() {
+    type Cause = fn(&mut PhysicsWorld, &mut DeformableWorld, DeformableHandle, ColliderHandle);
+    let causes: [(&str, Cause); 12] = [
+        ("gravity", |world, _, _, _| world.gravity = Vector::Y * -5.0),
+        ("a force", |_, set, soft, _| {
+            set[soft].set_node_force(NodeId(0), Vector::X);
+        }),
+        ("a force for one step", |_, set, soft, _| {
+            set[soft].add_step_force(NodeId(0), Vector::X);
+        }),
+        ("a velocity", |_, set, soft, _| {
+            set[soft].set_linvel(Vector::Y);
+        }),
+        ("friction", |_, set, soft, _| {
+            set[soft].surface_mut().friction = 0.1
+        }),
+        ("a pin", |_, set, soft, _| {
+            set[soft].set_pinned(NodeId(0), true);
+        }),
+        ("a floor that is gone", |world, _, _, floor| {
+            world.remove_collider(floor);
+        }),
+        ("a floor that was moved", |world, _, _, floor| {
+            let body = world.colliders[floor].parent().unwrap();
+            world.bodies[body].set_translation(Vector::Y * -0.6, false);
+        }),
+        ("a floor of ice", |world, _, _, floor| {
+            world.colliders[floor].set_friction(0.0)
+        }),
+        ("a ball", |world, _, _, _| {
+            world.insert(
+                RigidBodyBuilder::dynamic()
+                    .translation(Vector::new(0.4, 0.1, 0.0))
+                    .linvel(Vector::X * -10.0),
+                ColliderBuilder::ball(0.05),
+            );
+        }),
+        ("a led plate", |world, _, _, _| {
+            world.insert(
+                RigidBodyBuilder::kinematic_velocity_based()
+                    .translation(Vector::Y * 0.33)
+                    .linvel(Vector::Y * -1.0),
+                ColliderBuilder::cuboid(0.2, 0.01, 0.2),
+            );
+        }),
+        ("another one", |_, set, _, _| {
+            let other = cube(0.1).linvel(Vector::X * -10.0);
+            set.insert(other.translation(Vector::new(0.4, 0.1, 0.0)))
+                .unwrap();
+        }),
+    ];
+    for (name, cause) in causes {
+        let (mut world, mut set, soft, floor) = cube_asleep();
+        cause(&mut world, &mut set, soft, floor);
+        let woke = (0..2).any(|_| {
+            set.step(&mut world);
+            !set[soft].is_sleeping()
+        });
+        assert!(woke, "{name} must wake it");
+    }
+}
+
+#[test]
+fn a_group_wakes_when_one_of_it_goes() {
+    let (mut world, _) = floored(1.0 / 60.0);
+    let mut set = DeformableWorld::new();
+    let [below, above] = [0.15, 0.45].map(|y| {
+        let cube = cube(0.3).translation(Vector::Y * y);
+        set.insert(cube).unwrap()
+    });
+    for _ in 0..900 {
+        set.step(&mut world);
+    }
+    assert!(set[below].is_sleeping() && set[above].is_sleeping());
+    let before = set[above].center_of_mass().y;
+    set.remove(below);
+    for _ in 0..12 {
+        set.step(&mut world);
+    }
+    let fallen = before - set[above].center_of_mass().y;
+    assert!((fallen - 0.196).abs() < 0.02, "fell {fallen} m in .2 s");
+}
+
+/// A slow flight is not rest, nor is a small vibration that nothing damps, nor what is told not to sleep.
+#[test]
+fn what_does_not_sleep() {
+    let (mut world, _) = floored(1.0 / 60.0);
+    let mut set = DeformableWorld::new();
+    let drifting = cube(0.3)
+        .gravity_scale(0.0)
+        .translation(Vector::Y * 2.0)
+        .linvel(Vector::X * 1e-3);
+    let drifting = set.insert(drifting).unwrap();
+    let nodes = [4.0, 3.0].map(|y| Node::new(Vector::Y * y, 1.0));
+    let spring = Net::new(nodes.into(), vec![Spring::new(0, 1, 100.0)]);
+    let spring = DeformableBuilder::new(spring.pin(|x| x.y > 3.5));
+    let spring = set.insert(spring.gravity_scale(0.0)).unwrap();
+    set[spring].set_linvel_of(NodeId(1), Vector::Y * 1e-3);
+    let sleepless = cube(0.3)
+        .can_sleep(false)
+        .translation(Vector::new(2.0, 0.15, 0.0));
+    let sleepless = set.insert(sleepless).unwrap();
+    let before = set[drifting].center_of_mass().x;
+    for _ in 0..600 {
+        set.step(&mut world);
+    }
+    let awake = |h| !set[h].is_sleeping();
+    assert!(awake(drifting) && awake(spring) && awake(sleepless));
+    let way = set[drifting].center_of_mass().x - before;
+    assert!((way - 0.01).abs() < 1e-5, "{way}");
+    let e = set[spring].energies();
+    let held = (e.kinetic + e.elastic) / 0.5e-6;
+    assert!((held - 1.0).abs() < 1e-2, "{held}");
 }
