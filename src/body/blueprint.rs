@@ -61,16 +61,16 @@ impl Blueprint {
                 );
                 node.mass = density * node.volume;
             }
-            // The solver needs 1/m, which a subnormal mass does not have.
-            if !(node.mass.is_normal() && node.mass > 0.0) {
-                return Err(BuildError::Massless { node: id as u32 });
-            }
+            weighed(id, node)?;
         }
         if let Some(total) = total_mass {
             positive("the total mass", total.into())?;
             let sum: f64 = nodes.iter().map(|n| f64::from(n.mass)).sum();
             for node in &mut nodes {
                 node.mass = (f64::from(node.mass) * f64::from(total) / sum) as Real;
+            }
+            for (id, node) in nodes.iter().enumerate() {
+                weighed(id, node)?;
             }
         }
         Ok(Self {
@@ -100,6 +100,15 @@ impl Blueprint {
             state.set_position(i, *x);
         }
         state
+    }
+}
+
+/// The solver needs 1/m, which a subnormal mass does not have.
+fn weighed(id: usize, node: &Node) -> Result<(), BuildError> {
+    if node.mass.is_normal() && node.mass > 0.0 {
+        Ok(())
+    } else {
+        Err(BuildError::Massless { node: id as u32 })
     }
 }
 

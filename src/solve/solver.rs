@@ -48,9 +48,10 @@ pub struct Solver<S> {
     pub(crate) applied: Vec<[S; 3]>,
     pub(crate) start: Vec<([S; 3], [S; 3])>,
     pub(crate) sums: Vec<([S; 3], [S; 3])>,
-    /// Springs that yielded or broke since the last look. Each does so once, so the list never outgrows its first size.
+    /// Springs that yielded or broke since the last look. Each does so once.
     pub(crate) events: Vec<LimitEvent<S>>,
-    /// Largest squared speed after the last substep; NaN or infinite when a velocity is.
+    /// Largest squared speed that the last integration pass has seen, before rows gave their impulses; NaN or infinite when a
+    /// velocity was.
     pub(crate) speed_squared: S,
 }
 
@@ -167,14 +168,15 @@ impl<S: Scalar> Solver<S> {
     }
 
     /// Fills the forces for the state as it is. With `commit`, which is the time since the last commit \[s\], plastic flow
-    /// and breaking are written.
+    /// and breaking are written. The state is that of `after` s from the start of the substep.
     pub(crate) fn evaluate(
         &mut self,
         state: &mut State<S>,
         field: Option<&dyn ForceField>,
         commit: Option<S>,
+        after: S,
     ) {
-        self.evaluate_applied(state, field);
+        self.evaluate_applied(state, field, self.time + after.f64());
         let happened = spring_forces(
             self.kernel,
             &mut self.table,
@@ -190,14 +192,14 @@ impl<S: Scalar> Solver<S> {
         self.work.fracture += happened.fracture;
     }
 
-    fn evaluate_applied(&mut self, state: &State<S>, field: Option<&dyn ForceField>) {
+    fn evaluate_applied(&mut self, state: &State<S>, field: Option<&dyn ForceField>, time: f64) {
         self.applied.clear();
         self.applied.extend_from_slice(&self.external.node_forces);
         let Some(field) = field else { return };
         self.applied.resize(state.particles.len(), [S::ZERO; 3]);
         for (i, sum) in self.applied.iter_mut().enumerate() {
             let (x, v) = (state.position(i).as_vec3(), state.velocity(i).as_vec3());
-            let f: Vector = field.force(NodeId(i as u32), x, v, self.time);
+            let f: Vector = field.force(NodeId(i as u32), x, v, time);
             for (s, f) in sum.iter_mut().zip(f.to_array()) {
                 *s += S::of(f.into());
             }

@@ -83,10 +83,17 @@ impl<S: Scalar> Solver<S> {
             let n = [n[0].f64(), n[1].f64(), n[2].f64()];
             let w = (a.inv_mass + b.inv_mass).f64();
             let sideways = (1.0 - state.rest[i].f64() / length.f64()).max(0.0);
+            // Nodes in one place have no direction yet and may part in any.
+            let lost = n == [0.0; 3];
+            let across = if lost {
+                [k * w, c * w]
+            } else {
+                [k * w * sideways, 0.0]
+            };
             for node in [ia, ib] {
-                add(&mut stiff[node], n, k * w, k * w * sideways);
+                add(&mut stiff[node], n, k * w, across[0]);
                 if damped {
-                    add(&mut damp[node], n, c * w, 0.0);
+                    add(&mut damp[node], n, c * w, across[1]);
                 }
             }
             if k > 0.0 && c / k < relaxation.0 {

@@ -365,6 +365,17 @@ pub(super) fn shadow_of(
 }
 
 impl Deformable {
+    /// A bound on how fast any node goes into the coming substep \[m/s\]: the integration pass has seen velocities before
+    /// rows, and how far nodes moved tells what rows did to them.
+    pub(super) fn fastest(&self) -> f64 {
+        let speed = f64::from(self.solver.speed_squared).sqrt();
+        if self.h > 0.0 {
+            speed.max(self.moved / self.h)
+        } else {
+            speed
+        }
+    }
+
     /// Largest squared speed of any node \[m²/s²\].
     pub(super) fn max_speed_squared(&self) -> f32 {
         self.state

@@ -234,14 +234,12 @@ pub(super) fn substeps(group: &Group, dt: f64) -> usize {
         let [a, b] = e.members.map(|m| &group.members[m as usize].1);
         let spacing = |b: &Deformable| b.outline.as_ref().map_or(f64::INFINITY, |o| o.spacing);
         let stride = STRIDE * spacing(a).min(spacing(b));
+        // By the speeds before rows, which are smooth: every change of the substep costs leapfrog some energy.
+        let speed = |b: &Deformable| f64::from(b.solver.speed_squared).sqrt();
         let n = (dt * (speed(a) + speed(b)) / stride).ceil();
         n.min(MOST) as usize
     });
     wanted.max().unwrap_or(1)
-}
-
-fn speed(body: &Deformable) -> f64 {
-    f64::from(body.solver.speed_squared).sqrt()
 }
 
 /// The rows of an encounter at the positions the substep starts from.
@@ -249,14 +247,14 @@ pub(super) fn find_rows(
     encounter: &mut Encounter,
     members: &mut [(DeformableHandle, Box<Deformable>)],
     rows: &mut Rows,
-    h: f64,
+    (h, blow): (f64, f64),
     s: &Settings,
 ) {
     let places = encounter.members.map(|m| m as usize);
     let Ok([(_, a), (_, b)]) = members.get_disjoint_mut(places) else {
         return;
     };
-    let moved = h * (speed(a) + speed(b));
+    let moved = h * (a.fastest().max(blow) + b.fastest().max(blow));
     let (Some(of_a), Some(of_b)) = (&mut a.outline, &mut b.outline) else {
         return;
     };
@@ -265,6 +263,7 @@ pub(super) fn find_rows(
         h,
         touching: s.touching,
         slack,
+        blow,
         farthest: s.touching + slack + 2.0 * moved,
     };
     let searched = [(&a.state, &mut **of_a), (&b.state, &mut **of_b)];

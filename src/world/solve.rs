@@ -57,6 +57,7 @@ impl Group {
                 }
             }
         }
+        rows.end(shadows, h);
         for node in &rows.nodes {
             let body = &mut members[node.body as usize].1;
             body.slots[node.node as usize] = u32::MAX;

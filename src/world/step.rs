@@ -216,7 +216,7 @@ impl DeformableWorld {
             length_unit: unit,
         };
         let (mut time, mut parity) = (self.time, self.parity);
-        let mut left = dt;
+        let (mut left, mut last) = (dt, None);
         while left > 0.0 {
             // The stable substep changes as bodies crumple, so a long rigid step is looked at anew now and then, unless
             // what is left is a matter of a few substeps.
@@ -225,9 +225,11 @@ impl DeformableWorld {
             let n = needed.div_ceil(reviews.min(needed / 8).max(1));
             Self::report_group(&mut self.report, group, n);
             let h = left / needed as f64;
-            if left == dt {
-                group.synchronise(h);
+            match last {
+                None => group.synchronise(h),
+                Some(last) => group.rows.change_substep(h / last),
             }
+            last = Some(h);
             for _ in 0..n {
                 time += h;
                 parity = !parity;

@@ -155,10 +155,11 @@ impl Group {
     /// Contacts and ties at the positions the substep starts from.
     fn find_rows(&mut self, h: f64, s: &Settings) {
         self.rows.clear();
+        let blow = self.fastest_striker();
         for (m, ((_, body), candidates)) in
             (0..).zip(self.members.iter_mut().zip(&mut self.candidates))
         {
-            let speed = f64::from(body.solver.speed_squared).sqrt();
+            let speed = body.fastest().max(blow);
             for c in candidates.iter_mut() {
                 let shadow = &self.shadows[c.target.shadow as usize];
                 let closing = h * (speed + c.target.speed(shadow));
@@ -167,6 +168,7 @@ impl Group {
                     h,
                     touching: s.touching,
                     slack,
+                    blow,
                     farthest: s.touching + slack + 2.0 * closing,
                 };
                 let site = Site {
@@ -184,9 +186,21 @@ impl Group {
             }
         }
         for encounter in &mut self.encounters {
-            meet::find_rows(encounter, &mut self.members, &mut self.rows, h, s);
+            meet::find_rows(encounter, &mut self.members, &mut self.rows, (h, blow), s);
         }
-        self.find_ties(h);
+        self.find_ties(h, s.push_out);
+    }
+
+    /// Speed of the fastest that may strike a node \[m/s\]. One that is struck goes on as fast within the same substep.
+    fn fastest_striker(&self) -> f64 {
+        let targets = self.candidates.iter().flatten().map(|c| &c.target);
+        let speeds = targets.map(|t| t.speed(&self.shadows[t.shadow as usize]));
+        let rigid = speeds.fold(0.0, f64::max);
+        if self.encounters.is_empty() {
+            return rigid;
+        }
+        let soft = self.members.iter().map(|(_, body)| body.fastest());
+        soft.fold(rigid, f64::max)
     }
 
     /// What touches, sticks and slides, for the next substep.

@@ -91,7 +91,7 @@ impl Group {
     }
 
     /// Adds the ties of all attachments that hold.
-    pub(super) fn find_ties(&mut self, h: f64) {
+    pub(super) fn find_ties(&mut self, h: f64, push_out: f64) {
         let Self {
             members,
             shadows,
@@ -119,7 +119,11 @@ impl Group {
                 slots: &mut other.1.slots,
             });
             a.held = (0.0, 0.0);
+            let first = rows.ties.len();
             a.pivot = a.bond.add_ties(i, h, shadow, own, other, rows);
+            if !a.bond.is_link() {
+                rows.lead_to_held_nodes(first, push_out);
+            }
         }
     }
 

@@ -12,7 +12,7 @@ pub(super) fn predict<S: Scalar>(
     h: S,
     field: Option<&dyn ForceField>,
 ) {
-    solver.evaluate(state, field, Some(h));
+    solver.evaluate(state, field, Some(h), S::ZERO);
     let mut sums = Sums::new();
     for i in 0..state.particles.len() {
         let p = state.particles[i];

@@ -14,7 +14,7 @@ pub(super) fn predict<S: Scalar>(
 ) {
     let half = S::of(0.5) * h;
     solver.save_start(state);
-    solver.evaluate(state, field, Some(h));
+    solver.evaluate(state, field, Some(h), S::ZERO);
     for (i, p) in state.particles.iter_mut().enumerate() {
         let a = acceleration(
             p,
@@ -27,7 +27,7 @@ pub(super) fn predict<S: Scalar>(
             p.v[k] += half * a;
         }
     }
-    solver.evaluate(state, field, None);
+    solver.evaluate(state, field, None, half);
     let mut sums = Sums::new();
     for i in 0..state.particles.len() {
         let p = &mut state.particles[i];

@@ -26,9 +26,11 @@ pub(super) fn predict<S: Scalar>(
         .sums
         .resize(state.particles.len(), ([S::ZERO; 3], [S::ZERO; 3]));
     let mut sums = Sums::new();
+    let mut after = S::ZERO;
     for (stage, (to_next, weight)) in STAGES.into_iter().enumerate() {
-        solver.evaluate(state, field, (stage == 0).then_some(h));
+        solver.evaluate(state, field, (stage == 0).then_some(h), after);
         let (next, weight) = (h * S::of(to_next), h * S::of(weight));
+        after = next;
         for (i, p) in state.particles.iter_mut().enumerate() {
             let applied = applied_at(&solver.applied, i);
             let a = acceleration(p, &solver.forces[i], applied, solver.external.gravity);

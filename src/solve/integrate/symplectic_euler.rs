@@ -14,7 +14,7 @@ pub(super) fn predict<S: Scalar>(
     h: S,
     field: Option<&dyn ForceField>,
 ) {
-    solver.evaluate(state, field, Some(h));
+    solver.evaluate(state, field, Some(h), S::ZERO);
     let half = S::of(0.5) * h;
     let mut sums = Sums::new();
     let moved = by_kernel(solver, state, h, &mut sums);

@@ -18,10 +18,10 @@ pub(super) fn predict<S: Scalar>(
     let half = S::of(0.5) * h;
     solver.save_start(state);
     let damped = solver.is_damped() || field.is_some();
-    solver.evaluate(state, field, Some(h));
+    solver.evaluate(state, field, Some(h), S::ZERO);
     half_kick(solver, state, half);
     if damped {
-        solver.evaluate(state, field, None);
+        solver.evaluate(state, field, None, S::ZERO);
         half_kick(solver, state, half);
     }
     let mut sums = Sums::new();
@@ -47,7 +47,7 @@ pub(super) fn finish<S: Scalar>(
 ) {
     let half = S::of(0.5) * h;
     solver.save_start(state);
-    solver.evaluate(state, field, None);
+    solver.evaluate(state, field, None, h);
     half_kick(solver, state, half);
     let mut sums = Sums::new();
     for (i, p) in state.particles.iter().enumerate() {

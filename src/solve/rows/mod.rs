@@ -23,6 +23,9 @@ pub use rigid::RigidRow;
 use squeeze::Squeeze;
 use worklist::Worklist;
 
+/// How fast a body comes to held nodes it is tied to, in errors per second.
+const LEAD_RATE: f64 = 20.0;
+
 /// A node that has at least one row.
 #[derive(Clone, Copy, Debug)]
 pub struct RowNode {
@@ -191,6 +194,18 @@ impl Rows {
         Terms {
             first: first as u32,
             count: (self.terms.len() - first) as u32,
+        }
+    }
+
+    /// Where nodes can't be brought to a body because they are held, the body is brought to them, at `fastest` m/s at most.
+    pub fn lead_to_held_nodes(&mut self, first: usize, fastest: f64) {
+        for i in first..self.ties.len() {
+            let terms = self.terms_of(self.ties[i].terms).iter();
+            let held = terms.map(|t| &self.nodes[t.node as usize]);
+            if held.into_iter().all(|n| n.inv_mass == 0.0) {
+                let tie = &mut self.ties[i];
+                tie.bias -= (tie.error * LEAD_RATE).clamp_length_max(fastest);
+            }
         }
     }
 

@@ -5,7 +5,7 @@ use super::squeeze::Squeeze;
 use super::worklist::Worklist;
 use super::{JointRow, RigidRow, Row, Rows, Tie};
 use crate::law::row::{allowed_velocity, friction_impulse, normal_impulse, turning};
-use crate::math::{DMat3, DVec3};
+use crate::math::{DMat3, DVec3, na};
 use crate::solve::shadow::Shadow;
 
 impl Rows {
@@ -61,6 +61,24 @@ impl Rows {
         }
         pass.book();
     }
+
+    /// Ends a substep of h s: rigid contacts and joints go on from where their shadows take them.
+    pub fn end(&mut self, shadows: &[Shadow], h: f64) {
+        for row in &mut self.rigid {
+            row.end(shadows, h);
+        }
+    }
+
+    /// Warm starts of substeps that are from now on `ratio` times as long.
+    pub fn change_substep(&mut self, ratio: f64) {
+        for row in &mut self.rigid {
+            row.normal_impulse *= ratio;
+            row.friction_impulse *= ratio;
+        }
+        for joint in &mut self.joints {
+            joint.impulses *= ratio;
+        }
+    }
 }
 
 /// What a pass works on.
@@ -94,19 +112,21 @@ impl Pass<'_> {
             let shadow = &self.shadows[row.shadow as usize];
             let rigid = row.rigid_share * shadow.response(row.arm, row.normal);
             row.mass = inverse(self.points.response(row.terms) + rigid + row.softness);
-            if shadow.w != DVec3::ZERO {
+            row.turning = if shadow.w != DVec3::ZERO {
                 let relative = self.points.velocity(row.terms) - shadow.velocity_at(row.arm);
-                row.turning = turning(shadow.w, relative, row.arm, row.normal, self.h);
-            }
+                turning(shadow.w, relative, row.arm, row.normal, self.h)
+            } else {
+                0.0
+            };
         }
         for tie in &mut *self.ties {
             let own = self.points.response(tie.terms) + tie.softness;
             let k = DMat3::from_diagonal(DVec3::splat(own))
                 + self.shadows[tie.shadow as usize].response_matrix(tie.arm);
-            tie.mass = if k.determinant() > 0.0 {
+            tie.mass = if own > 0.0 {
                 k.inverse()
             } else {
-                DMat3::ZERO
+                pseudo_inverse(k)
             };
         }
     }
@@ -134,7 +154,7 @@ impl Pass<'_> {
         for row in &mut *self.joints {
             row.start(self.shadows, self.h);
         }
-        for row in self.contacts.iter().filter(|r| r.normal_impulse > 0.0) {
+        for row in self.contacts.iter().filter(|r| r.impulse() != DVec3::ZERO) {
             let j = row.impulse();
             self.points.push(row.terms, j);
             self.shadows[row.shadow as usize].push(row.arm, -j * row.rigid_share);
@@ -267,9 +287,6 @@ impl Pass<'_> {
 
     /// The reactions, summed up for the hand-over.
     fn book(&mut self) {
-        for row in &mut *self.rigid {
-            row.end(self.shadows, self.h);
-        }
         let mut book = |shadow: u32, arm: DVec3, j: DVec3| {
             let shadow = &mut self.shadows[shadow as usize];
             shadow.impulse -= j;
@@ -282,6 +299,25 @@ impl Pass<'_> {
             book(tie.shadow, tie.arm, tie.impulse);
         }
     }
+}
+
+/// The inverse of a symmetric matrix in the directions in which anything gives way: a body with locked axes and the arm of
+/// a turning one leave some in which nothing does, and no impulse there changes a velocity.
+fn pseudo_inverse(k: DMat3) -> DMat3 {
+    let [x, y, z] = k.to_cols_array_2d();
+    let k = na::Matrix3::from_columns(&[x.into(), y.into(), z.into()]);
+    let Some(eigen) = na::SymmetricEigen::try_new(k, f64::EPSILON, 64) else {
+        return DMat3::ZERO;
+    };
+    let least = 1e-9 * eigen.eigenvalues.max();
+    (0..3)
+        .filter(|&i| eigen.eigenvalues[i] > least)
+        .map(|i| {
+            let axis = DVec3::from_array(eigen.eigenvectors.column(i).into_owned().into());
+            DMat3::from_cols(axis * axis.x, axis * axis.y, axis * axis.z)
+                * (1.0 / eigen.eigenvalues[i])
+        })
+        .fold(DMat3::ZERO, |sum, term| sum + term)
 }
 
 /// 1/k, or 0 for what does not give way at all.

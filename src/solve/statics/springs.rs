@@ -36,6 +36,8 @@ impl SpringNet {
                 *stiffness = 0.0;
             }
         }
+        // What pulls at nothing holds nothing.
+        net.springs.retain(|(_, stiffness, _)| *stiffness > 0.0);
         net
     }
 

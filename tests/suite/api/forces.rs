@@ -144,3 +144,34 @@ fn drag_decays() {
         );
     }
 }
+
+/// Every stage of a scheme sees the field at its own time: under a force sin(ωt) each keeps its order.
+#[test]
+fn a_field_that_changes_with_time_keeps_the_order_of_the_scheme() {
+    let omega = 10.0_f64;
+    let error = |integrator, n: usize| {
+        let mut world = weightless(1.0);
+        let mut set = DeformableWorld::new();
+        let push =
+            move |_: NodeId, _: Vector, _: Vector, t: f64| Vector::X * (omega * t).sin() as f32;
+        let body = bead(1.0).force_field(push).integrator(integrator);
+        let body = set.insert(body.substeps(Substeps::Fixed(n))).unwrap();
+        set.params.review_interval = 1.0;
+        set.step(&mut world);
+        assert_eq!(set.report().substeps, [(body, n)]);
+        let x = set[body].position(NodeId(0)).unwrap().x;
+        (x - (1.0 / omega - omega.sin() / (omega * omega))).abs()
+    };
+    // Substeps short enough for the order to show, and long enough for more error than f32 makes by itself.
+    for (integrator, order, n) in [
+        (Integrator::VelocityVerlet, 2.0, 20),
+        (Integrator::Midpoint, 2.0, 20),
+        (Integrator::Rk4, 4.0, 8),
+    ] {
+        let measured = (error(integrator, n) / error(integrator, 2 * n)).log2();
+        assert!(
+            (measured - order).abs() < 0.15,
+            "{integrator:?}: order {measured}"
+        );
+    }
+}

@@ -193,6 +193,22 @@ fn a_settled_body_stays() {
     }
 }
 
+/// What hangs on a spring of no stiffness hangs on nothing: the error says so, where it was once sought for in vain.
+#[test]
+fn a_spring_without_stiffness_supports_nothing() {
+    let nodes = [0.0, -1.0, -2.0].map(|y| Node::new(Vector::Y * y, 1.0));
+    let springs = vec![Spring::new(0, 1, 100.0), Spring::new(1, 2, 0.0)];
+    let chain = DeformableBuilder::new(Net::new(nodes.into(), springs).pin(|x| x.y > -0.5));
+    let settled = chain.build().unwrap().settle(Vector::Y * -9.81);
+    assert!(
+        matches!(
+            settled,
+            Err(crumple::solve::statics::StaticError::Supports { .. })
+        ),
+        "{settled:?}"
+    );
+}
+
 /// A bar that hangs from its top: the mean stress is half of what the top bears, ρgL/2, and the recorder has it.
 #[test]
 fn stress_is_recorded() {

@@ -201,6 +201,32 @@ fn masses_and_materials() {
     }
 }
 
+/// 1/m of what is left of so little does not exist.
+#[test]
+fn a_total_mass_that_leaves_nodes_none() {
+    let net = DeformableBuilder::new(pair()).total_mass(1e-40);
+    let error = net.build().unwrap_err();
+    assert!(matches!(error, BuildError::Massless { node: 0 }), "{error}");
+}
+
+/// Two nodes in one place with a spring that wants 1 m between them: its stiffness counts in whatever direction they part.
+#[test]
+fn nodes_in_one_place_have_a_stable_step() {
+    let nodes = [Vector::ZERO; 2].map(|x| Node::new(x, 1.0));
+    let spring = Spring::new(0, 1, 1.0e6).rest_length(1.0);
+    let net = DeformableBuilder::new(Net::new(nodes.into(), vec![spring]));
+    let mut set = DeformableWorld::new();
+    set.insert(net).unwrap();
+    let mut world = PhysicsWorld::default();
+    set.step(&mut world);
+    // ω = √(2k/m), h < 2/ω.
+    assert!(
+        set.report().substeps[0].1 >= 12,
+        "{:?}",
+        set.report().substeps
+    );
+}
+
 #[test]
 fn bad_materials() {
     type Set = fn(&mut Material, f32);

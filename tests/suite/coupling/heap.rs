@@ -2,6 +2,7 @@
 
 use super::{block, cuboid, floor};
 use crate::support::weightless;
+use crumple::body::{Net, Node};
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
 use crumple::scenario::survey::mechanical_energy;
@@ -51,6 +52,33 @@ fn a_blow_on_a_plate_that_lies_on_a_block() {
         whole < 1.0e-3 && half < whole / 3.0,
         "{whole:.2e}, {half:.2e}"
     );
+}
+
+/// What a row does to a node counts for how far it may go in the next substep: a bead at rest that is struck by as light a
+/// hammer does not pass a plate that stands 3 mm behind it.
+#[test]
+fn a_bead_struck_towards_a_plate_is_stopped_there() {
+    let mut world = PhysicsWorld {
+        gravity: Vector::ZERO,
+        ..PhysicsWorld::default()
+    };
+    world.insert(
+        RigidBodyBuilder::fixed().translation(Vector::X * 0.004),
+        cuboid([0.001, 0.2, 0.2], 1.0),
+    );
+    let hammer = RigidBodyBuilder::dynamic()
+        .translation(Vector::X * -0.06)
+        .linvel(Vector::X * 100.0);
+    world.insert(hammer, cuboid([0.05, 0.05, 0.05], 1e-3));
+    let mut set = DeformableWorld::default();
+    let bead = Net::new(vec![Node::new(Vector::ZERO, 1e-3)], vec![]);
+    let bead = DeformableBuilder::new(bead).substeps(Substeps::Fixed(160));
+    let bead = set.insert(bead).unwrap();
+    for _ in 0..30 {
+        set.step(&mut world);
+        let x = set[bead].position(NodeId(0)).unwrap().x;
+        assert!(x < 0.004, "{x}");
+    }
 }
 
 /// A damped block that starts 1 cm deep in a floor is moved out of it while its springs and dampers work: all is booked.

@@ -51,7 +51,7 @@ fn every_kernel_gives_the_bits_of_the_functions() {
                 let mut solver = Solver::new(&[], &state).with_elements(part);
                 for kernel in [Kernel::Portable, Kernel::Avx2, Kernel::Avx512] {
                     solver.kernel = kernel;
-                    solver.evaluate(&mut state.clone(), None, None);
+                    solver.evaluate(&mut state.clone(), None, None, 0.0);
                     let found = &solver.forces[..mesh.nodes.len()];
                     assert!(found.iter().any(|f| f.elastic[0].abs() > 1.0));
                     assert_eq!(
