@@ -16,8 +16,6 @@ pub struct Reach {
     pub touching: f64,
     /// What the fastest node and the target can do in a substep \[m\].
     pub farthest: f64,
-    /// Speed of the fastest that may strike a node within the substep \[m/s\].
-    pub blow: f64,
     /// What forces can add to that within a substep \[m\].
     pub slack: f64,
 }
@@ -25,7 +23,7 @@ pub struct Reach {
 impl Reach {
     /// The distance from which a point that moves at `speed` m/s can touch within the substep \[m\].
     pub fn at(&self, speed: f64) -> f64 {
-        self.touching + 2.0 * self.h * speed.max(self.blow) + self.slack
+        self.touching + 2.0 * self.h * speed + self.slack
     }
 }
 

@@ -83,7 +83,7 @@ impl BodyRecord {
             ledger: Vec::new(),
             closure: Closure::default(),
             mass: body.mass(),
-            start: body.momentum(),
+            start: body.momentum_before_sleep(),
             sums: [DVec3::ZERO; 3],
             scale: 0.0,
             next: time,
@@ -107,6 +107,8 @@ impl BodyRecord {
         let index = self.edges.len() - 1;
         self.edges.push(s.time);
         let own = self.deformable;
+        // Asleep, a body bears what it bore on average, in balance or nearly so.
+        let moving = if body.is_sleeping() { 0.0 } else { 1.0 };
         for pair in s.contacts.iter().filter(|p| p.deformable == own) {
             let interface = Interface::from(pair.partner);
             if pair.touching > 0 || pair.depth > 0.0 {
@@ -117,14 +119,14 @@ impl BodyRecord {
                     (channel.max_depth, channel.depth_time) = (pair.depth, s.time);
                 }
             }
-            self.sums[0] += pair.impulse;
+            self.sums[0] += pair.impulse * moving;
         }
         for tie in s.attachments.iter().filter(|t| t.deformable == own) {
             self.channel(Interface::Attachment(tie.attachment))
                 .add(index, tie.impulse, s.time);
-            self.sums[1] += tie.impulse;
+            self.sums[1] += tie.impulse * moving;
         }
-        self.sums[2] += body.gravity() * (self.mass * s.h);
+        self.sums[2] += body.gravity() * (self.mass * s.h * moving);
         let due = s.time >= self.next - 1.0e-9;
         if due {
             self.next = (self.next + sampling.history).max(s.time);
@@ -152,7 +154,7 @@ impl BodyRecord {
             .push(time, body.center_of_mass(), momentum / self.mass);
         let (lo, hi) = body.bounds();
         self.bounds.push([lo, hi]);
-        let change = momentum - self.start;
+        let change = body.momentum_before_sleep() - self.start;
         self.closure = Closure {
             contact: self.sums[0],
             attachment: self.sums[1],

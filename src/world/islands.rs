@@ -8,6 +8,7 @@ use super::observer::{AttachmentImpulse, Observer, PairImpulse, Substep};
 use super::params::DeformableParameters;
 use super::reach::{self, Search, travel, true_pose};
 use super::substep::Group;
+use super::ties::mirrored;
 use super::{Deformable, DeformableHandle, DeformableWorld, RapierParts, hooks};
 use crate::coupling::observe::velocity;
 use crate::math::{DVec3, Pose, Real, narrow};
@@ -26,6 +27,8 @@ pub(super) struct Sleep {
     pub asleep: bool,
     /// For how long its nodes have been slow \[s\].
     slow_for: f64,
+    /// The momentum that it had when it fell asleep, summed up over all times it did \[N·s\].
+    pub lost: DVec3,
     /// Whether a rigid body was in reach in the last step.
     pub beside_rigid: bool,
 }
@@ -92,6 +95,15 @@ impl Group {
             return None;
         }
         let bonds = self.attachments.iter().zip(&self.tied);
+        let mut tied: Vec<AttachmentImpulse> = bonds
+            .map(|(bond, tied)| AttachmentImpulse {
+                impulse: -bond.impulse / dt,
+                moment: -bond.moment / dt,
+                ..*tied
+            })
+            .collect();
+        let others: Vec<_> = mirrored(&self.attachments, &tied, &self.members).collect();
+        tied.extend(others);
         Some(Island {
             members: self.members.iter().map(|(handle, _)| *handle).collect(),
             sleepers: Vec::new(),
@@ -99,13 +111,7 @@ impl Group {
                 .map(|t| (t.body, Pose::IDENTITY))
                 .collect(),
             pairs: self.pair_sums().map(|(p, sum)| sum.mean(p, dt)).collect(),
-            tied: bonds
-                .map(|(bond, tied)| AttachmentImpulse {
-                    impulse: -bond.impulse / dt,
-                    moment: -bond.moment / dt,
-                    ..*tied
-                })
-                .collect(),
+            tied,
         })
     }
 }
@@ -120,6 +126,11 @@ impl Deformable {
     pub fn wake_up(&mut self) {
         self.sleep.asleep = false;
         self.sleep.slow_for = 0.0;
+    }
+
+    /// Its momentum, with what falling asleep has taken from it so far \[N·s\].
+    pub(crate) fn momentum_before_sleep(&self) -> DVec3 {
+        self.momentum() + self.sleep.lost
     }
 
     /// Whether it may sleep.
@@ -180,6 +191,7 @@ impl DeformableWorld {
                 let Some(body) = self.get_mut(sleeper.deformable) else {
                     continue;
                 };
+                body.sleep.lost += body.momentum();
                 body.edit(|body| {
                     body.state.particles.iter_mut().for_each(|p| p.v = [0.0; 3]);
                 });

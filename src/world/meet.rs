@@ -247,14 +247,14 @@ pub(super) fn find_rows(
     encounter: &mut Encounter,
     members: &mut [(DeformableHandle, Box<Deformable>)],
     rows: &mut Rows,
-    (h, blow): (f64, f64),
+    h: f64,
     s: &Settings,
 ) {
     let places = encounter.members.map(|m| m as usize);
     let Ok([(_, a), (_, b)]) = members.get_disjoint_mut(places) else {
         return;
     };
-    let moved = h * (a.fastest().max(blow) + b.fastest().max(blow));
+    let moved = h * (a.fastest() + b.fastest());
     let (Some(of_a), Some(of_b)) = (&mut a.outline, &mut b.outline) else {
         return;
     };
@@ -263,7 +263,6 @@ pub(super) fn find_rows(
         h,
         touching: s.touching,
         slack,
-        blow,
         farthest: s.touching + slack + 2.0 * moved,
     };
     let searched = [(&a.state, &mut **of_a), (&b.state, &mut **of_b)];

@@ -107,7 +107,7 @@ pub struct PairImpulse {
     pub touching: u32,
 }
 
-/// What one attachment did to its deformable in a substep.
+/// What one attachment did in a substep to a deformable: that which is attached, or the one that it is attached to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AttachmentImpulse {
     /// The attachment.

@@ -5,7 +5,7 @@ use super::observer::{
     AttachmentImpulse, NodeImpulse, Observer, PairImpulse, Partner, SpringEvent, SpringEventKind,
     Substep,
 };
-use super::ties::Attached;
+use super::ties::{Attached, mirrored};
 use super::touch::PairSum;
 use super::{Deformable, DeformableHandle, meet};
 use crate::body::SpringId;
@@ -36,6 +36,8 @@ pub(super) struct Group {
     /// What nodes got in the substep under way, if that is wanted.
     pub(super) node_impulses: Option<Vec<NodeImpulse>>,
     pub tied: Vec<AttachmentImpulse>,
+    /// The same for observers, with what attachments between deformables did to the other ones.
+    told: Vec<AttachmentImpulse>,
     pub rows: Rows,
     /// Where free motion took the nodes of rows, in the frames of their bodies \[m\].
     places: Vec<DVec3>,
@@ -72,6 +74,7 @@ impl Group {
             sums: Vec::new(),
             node_impulses: None,
             tied: Vec::new(),
+            told: Vec::new(),
             rows: Rows::default(),
             places: Vec::new(),
         }
@@ -155,11 +158,10 @@ impl Group {
     /// Contacts and ties at the positions the substep starts from.
     fn find_rows(&mut self, h: f64, s: &Settings) {
         self.rows.clear();
-        let blow = self.fastest_striker();
         for (m, ((_, body), candidates)) in
             (0..).zip(self.members.iter_mut().zip(&mut self.candidates))
         {
-            let speed = body.fastest().max(blow);
+            let speed = body.fastest();
             for c in candidates.iter_mut() {
                 let shadow = &self.shadows[c.target.shadow as usize];
                 let closing = h * (speed + c.target.speed(shadow));
@@ -168,7 +170,6 @@ impl Group {
                     h,
                     touching: s.touching,
                     slack,
-                    blow,
                     farthest: s.touching + slack + 2.0 * closing,
                 };
                 let site = Site {
@@ -186,21 +187,9 @@ impl Group {
             }
         }
         for encounter in &mut self.encounters {
-            meet::find_rows(encounter, &mut self.members, &mut self.rows, (h, blow), s);
+            meet::find_rows(encounter, &mut self.members, &mut self.rows, h, s);
         }
         self.find_ties(h, s.push_out);
-    }
-
-    /// Speed of the fastest that may strike a node \[m/s\]. One that is struck goes on as fast within the same substep.
-    fn fastest_striker(&self) -> f64 {
-        let targets = self.candidates.iter().flatten().map(|c| &c.target);
-        let speeds = targets.map(|t| t.speed(&self.shadows[t.shadow as usize]));
-        let rigid = speeds.fold(0.0, f64::max);
-        if self.encounters.is_empty() {
-            return rigid;
-        }
-        let soft = self.members.iter().map(|(_, body)| body.fastest());
-        soft.fold(rigid, f64::max)
     }
 
     /// What touches, sticks and slides, for the next substep.
@@ -298,12 +287,15 @@ impl Group {
             }
         }
         self.report_breaks(observer);
+        let Self { tied, told, .. } = self;
+        told.clone_from(tied);
+        told.extend(mirrored(&self.attachments, tied, &self.members));
         observer.substep(&Substep {
             time,
             h,
             deformables: &self.members,
             contacts: &self.pairs,
-            attachments: &self.tied,
+            attachments: &self.told,
             node_impulses: self.node_impulses.as_deref().unwrap_or_default(),
         });
         for (pair, sum) in self.pairs.iter_mut().zip(&mut self.sums) {

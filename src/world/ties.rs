@@ -3,7 +3,7 @@
 use super::AttachmentHandle;
 use super::attach::AttachmentState;
 use super::observer::{AttachmentBroke, AttachmentImpulse, Observer};
-use super::substep::Group;
+use super::substep::{Group, Members};
 use super::work::node_work;
 use crate::coupling::attach::Side;
 use crate::coupling::ties::{Average, LinkEnergy};
@@ -30,6 +30,24 @@ pub(super) struct Attached {
     /// Energy of a link's springs before the substep and after it.
     held: (f64, f64),
     just_broke: bool,
+}
+
+/// What attachments between deformables did to those that they are attached to.
+pub(super) fn mirrored<'a>(
+    attachments: &'a [Attached],
+    tied: &'a [AttachmentImpulse],
+    members: &'a Members,
+) -> impl Iterator<Item = AttachmentImpulse> + 'a {
+    let pairs = attachments.iter().zip(tied);
+    pairs.filter_map(|(a, tied)| {
+        let (deformable, _) = members[a.other? as usize];
+        Some(AttachmentImpulse {
+            deformable,
+            impulse: -tied.impulse,
+            moment: -tied.moment,
+            ..*tied
+        })
+    })
 }
 
 impl Attached {
