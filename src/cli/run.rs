@@ -114,6 +114,8 @@ fn built_in(scene: &Scene, arguments: &RunArguments) -> Result<(), Failure> {
     write_summary(scene, &run, &figures, &out)?;
     let rows = figures.0.iter().map(|f| (f.label, f.value, f.unit));
     print!("{}", rows.collect::<Table>());
+    let (hash, kernel) = (run.deformables.state_hash(), run.deformables.params.kernel);
+    println!("state {hash:016x}, kernel {}", kernel.name());
     println!("written to {}", out.display());
     Ok(())
 }
@@ -153,7 +155,8 @@ fn write_summary(scene: &Scene, run: &Run, f: &Figures, out: &Path) -> Result<()
     }
     let hash = format!("{:016x}", run.deformables.state_hash());
     summary.insert("state_hash".into(), hash.into());
-    summary.insert("kernel".into(), "scalar".into());
+    let kernel = run.deformables.params.kernel.name();
+    summary.insert("kernel".into(), kernel.into());
     let path = out.join("summary.json");
     let text = serde_json::Value::Object(summary);
     std::fs::write(&path, format!("{text:#}\n")).map_err(failed(&path))

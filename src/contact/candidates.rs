@@ -5,6 +5,12 @@
 //! crumpled body an inner node may well be the one that meets the wall. What is known outlives the step: what a node
 //! touched last tells on which side of a thin plate it belongs, and where friction took hold of it.
 
+#[cfg(feature = "serde-serialize")]
+mod saved;
+
+#[cfg(feature = "serde-serialize")]
+pub use saved::Saved;
+
 use super::feature::Features;
 use super::form::{Form, address};
 use super::nodes::Nodes;

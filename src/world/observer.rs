@@ -49,6 +49,10 @@ pub struct Substep<'a> {
 
 /// What a deformable is in contact with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub enum Partner {
     /// A collider.
     Collider(ColliderHandle),

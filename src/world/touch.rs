@@ -10,6 +10,10 @@ use crate::math::DVec3;
 /// What one partner did to one deformable in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct PairContact {
     /// The deformable.
     pub deformable: DeformableHandle,
@@ -72,6 +76,10 @@ pub(super) type TouchKey = ((u32, u32), (bool, (u32, u32)));
 
 /// A pair that touches, or did a moment ago.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub(super) struct Touch {
     contact: PairContact,
     /// Σ of normal impulses \[N·s\].
