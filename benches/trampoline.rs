@@ -7,10 +7,25 @@
 mod clock;
 
 use clock::Clock;
+use crumple::body::{BuildError, Net};
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
-use crumple::scenario::trampoline::{BOX_MASS, HALF, SIDE, net, places};
+use crumple::shape::sheet_with_bending;
 
+/// Side of a sheet \[m\].
+const SIDE: f32 = 3.0;
+/// Stiffness of every spring \[N/m\].
+const STIFFNESS: f32 = 2.0e4;
+/// Damping of a spring between two of the sheet's nodes, as a share of 2·√(k·m).
+const DAMPING: f32 = 0.3;
+/// Half the side of a box \[m\], its mass \[kg\], and how far it falls \[m\].
+const HALF: f32 = 0.15;
+/// Mass of a box \[kg\].
+const BOX_MASS: f32 = 10.0;
+/// Height of the boxes above the sheet \[m\].
+const DROP: f32 = 0.05;
+/// Distance of the middles of neighbouring boxes \[m\].
+const SPACING: f32 = 0.45;
 const NODES: usize = 30;
 const FRAMES: usize = 300;
 /// A box whose middle is lower is through: more than a metre under the pinned border \[m\].
@@ -20,6 +35,36 @@ struct Outcome {
     held: usize,
     sag: f32,
     ms_per_frame: f64,
+}
+
+/// The sheet about the origin: squares with both diagonals, every spring alike, the border pinned.
+fn net(mass: f32, nodes: usize) -> Result<Net, BuildError> {
+    // The thickness only tells how the mass is shared: every node by the cells about it.
+    let mut net = sheet_with_bending(SIDE, SIDE, nodes, nodes, 1.0e-3, 0.0)?;
+    let volume: f32 = net.nodes.iter().map(|n| n.volume).sum();
+    for node in &mut net.nodes {
+        node.mass = mass * node.volume / volume;
+        node.volume = 0.0;
+    }
+    let inner = net.nodes.iter().map(|n| n.mass).fold(0.0, f32::max);
+    for spring in &mut net.springs {
+        spring.section = 0.0;
+        spring.stiffness = STIFFNESS;
+        spring.damping = 2.0 * DAMPING * (STIFFNESS * inner).sqrt();
+    }
+    Ok(net.pin_border())
+}
+
+/// Middles of the boxes over a sheet whose middle is at `x` \[m\].
+fn places(x: f32) -> impl Iterator<Item = Vector> {
+    (0..10).map(move |i| {
+        let (column, row) = ((i % 5) as f32, (i / 5) as f32);
+        Vector::new(
+            x + SPACING * (column - 2.0),
+            DROP + HALF,
+            SPACING * (row - 0.5),
+        )
+    })
 }
 
 fn world() -> (PhysicsWorld, Vec<RigidBodyHandle>) {

@@ -10,6 +10,10 @@ use std::sync::Arc;
 
 /// Topology and constants of a body. Nodes have their mass, springs their rest length and constants.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct Blueprint {
     /// The nodes, in their rest configuration.
     pub nodes: Vec<Node>,

@@ -11,6 +11,10 @@ use crate::math::{Real, Vector};
 
 /// A point mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct Node {
     /// Where it is at rest, in the body's own frame \[m\].
     pub position: Vector,
@@ -55,6 +59,10 @@ impl Node {
 
 /// An axial spring between two nodes: elastic up to its yield forces, then plastic with linear hardening, until it breaks.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct Spring {
     /// The two nodes it joins.
     pub nodes: [u32; 2],
@@ -137,6 +145,10 @@ impl Spring {
 
 /// A triangle mesh carried by the nodes, for pictures: each vertex is a fixed weighted mean of nodes.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct Skin {
     /// Rest position of each vertex, in the body's own frame \[m\].
     pub vertices: Vec<Vector>,
@@ -148,6 +160,10 @@ pub struct Skin {
 
 /// Eight nodes and weights: where a skin vertex is, given its nodes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct Binding {
     /// Node indices.
     pub nodes: [u32; 8],

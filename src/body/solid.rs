@@ -7,6 +7,10 @@ use crate::law::elastic::Lame;
 /// The law of elasticity; see [`crate::law::elastic`] for what each is for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub enum SolidLaw {
     /// Linear in the turned frame: the choice for stiff solids.
     #[default]
@@ -31,6 +35,10 @@ impl SolidLaw {
 
 /// An isotropic elastic solid.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct Solid {
     /// Young's modulus E \[Pa\].
     pub young: f64,
@@ -105,6 +113,10 @@ impl Solid {
 
 /// Tetrahedra made of a solid.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct SolidMesh {
     /// The elements at rest, in the body's own frame.
     pub mesh: TetMesh,

@@ -11,6 +11,10 @@ use crate::math::{DVec3, Scalar, two_sum};
 /// One node as the solver sees it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(32))]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct Particle<S> {
     /// Position relative to the body's origin, high part \[m\].
     pub x: [S; 3],
@@ -24,6 +28,10 @@ pub struct Particle<S> {
 
 /// The changing part of a body.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct State<S> {
     /// Where the particles' frame stands in the world \[m\].
     pub origin: DVec3,

@@ -43,8 +43,6 @@ pub enum Failure {
         path: PathBuf,
         source: std::io::Error,
     },
-    #[error("`{name}` is not a scene of a file and has no variables; it takes {takes}")]
-    NoVariables { name: String, takes: &'static str },
     #[error("{0}")]
     Wrong(String),
     /// Something did not come to what was expected, which has been said already.

@@ -3,7 +3,6 @@
 use super::write::{draw_energies, draw_pictures, write_channels};
 use super::{Failure, SceneArguments, failed, make_writable, progress, scene};
 use crumple::report::{Table, charts};
-use crumple::scenario::file::embedded_names;
 use crumple::scenario::{self, Figures, Options, Run, Scene, UnknownScene};
 use std::path::{Path, PathBuf};
 
@@ -55,16 +54,8 @@ impl RunArguments {
 pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let name = &arguments.scene.name;
     let varied = !arguments.scene.set.is_empty() || arguments.scene.seed.is_some();
-    let found = scenario::find(name);
-    match (found, arguments.scene.is_file()) {
-        (Ok(scene), false) if !varied => return built_in(scene, arguments),
-        (Ok(_), false) if !embedded_names().any(|n| n == name) => {
-            return Err(Failure::NoVariables {
-                name: name.clone(),
-                takes: "--dt, --duration, --safety and --cell",
-            });
-        }
-        _ => {}
+    if let (Ok(scene), false, false) = (scenario::find(name), arguments.scene.is_file(), varied) {
+        return built_in(scene, arguments);
     }
     let mut options = arguments.scene.options();
     options.set.extend(arguments.as_variables());
@@ -114,6 +105,8 @@ fn built_in(scene: &Scene, arguments: &RunArguments) -> Result<(), Failure> {
     write_summary(scene, &run, &figures, &out)?;
     let rows = figures.0.iter().map(|f| (f.label, f.value, f.unit));
     print!("{}", rows.collect::<Table>());
+    let (hash, kernel) = (run.deformables.state_hash(), run.deformables.params.kernel);
+    println!("state {hash:016x}, kernel {}", kernel.name());
     println!("written to {}", out.display());
     Ok(())
 }
@@ -153,7 +146,8 @@ fn write_summary(scene: &Scene, run: &Run, f: &Figures, out: &Path) -> Result<()
     }
     let hash = format!("{:016x}", run.deformables.state_hash());
     summary.insert("state_hash".into(), hash.into());
-    summary.insert("kernel".into(), "scalar".into());
+    let kernel = run.deformables.params.kernel.name();
+    summary.insert("kernel".into(), kernel.into());
     let path = out.join("summary.json");
     let text = serde_json::Value::Object(summary);
     std::fs::write(&path, format!("{text:#}\n")).map_err(failed(&path))

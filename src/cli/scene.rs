@@ -28,6 +28,7 @@ pub fn run(scene: &Scenario, arguments: &RunArguments) -> Result<(), Failure> {
     }
     write_summary(name, &outcome, &out)?;
     print!("{outcome}");
+    println!("state {}, kernel {}", outcome.state_hash, outcome.kernel);
     println!("written to {}", out.display());
     match outcome.passed() {
         true => Ok(()),
@@ -81,7 +82,7 @@ fn write_summary(name: &str, outcome: &Outcome, out: &Path) -> Result<(), Failur
         "simulated_s": run.deformables.time(),
         "wall_s": run.wall_s,
         "state_hash": outcome.state_hash,
-        "kernel": "scalar",
+        "kernel": outcome.kernel,
     });
     let path = out.join("summary.json");
     std::fs::write(&path, format!("{summary:#}\n")).map_err(failed(&path))

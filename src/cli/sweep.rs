@@ -5,6 +5,7 @@ use crumple::report::{Plot, Series as Curve, Stroke};
 use crumple::scenario::file::sweep::{self, Merged, Sweep, SweepAxis};
 use crumple::scenario::file::{LoadError, LoadOptions, Scenario, nearest_embedded};
 use std::num::NonZero;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
@@ -19,6 +20,13 @@ pub struct SweepArguments {
     /// Where to write; out/NAME_sweep by default.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Only these variants, counted from 0: 7, or 10..20 for 10 to 19. Nothing is merged then: `merge` does it once all
+    /// are there.
+    #[arg(long, value_name = "N", value_parser = numbers)]
+    only: Option<Range<usize>>,
+    /// Says how many variants there are, and runs none.
+    #[arg(long)]
+    count: bool,
     /// How many run at once; as many as there are cores by default.
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
@@ -34,6 +42,17 @@ pub struct SweepArguments {
     /// No progress bar.
     #[arg(long)]
     quiet: bool,
+}
+
+/// One number, or a range without its end.
+fn numbers(text: &str) -> Result<Range<usize>, String> {
+    let number = |text: &str| text.parse::<usize>();
+    let range = match text.split_once("..") {
+        Some((from, to)) => number(from).and_then(|from| Ok(from..number(to)?)),
+        None => number(text).map(|n| n..n.saturating_add(1)),
+    };
+    let range = range.ok().filter(|range| !range.is_empty());
+    range.ok_or_else(|| "expected a number or FROM..TO".into())
 }
 
 #[derive(clap::Args)]
@@ -73,12 +92,24 @@ pub fn sweep(arguments: &SweepArguments) -> Result<(), Failure> {
     };
     let axes = arguments.set.iter().map(|text| text.parse());
     let axes: Vec<SweepAxis> = axes.collect::<Result<_, _>>()?;
+    let total = sweep::variants(&axes)?.len();
+    if arguments.count {
+        println!("{total}");
+        return Ok(());
+    }
+    if let Some(only) = arguments.only.as_ref().filter(|only| only.end > total) {
+        return Err(Failure::Wrong(format!(
+            "there are {total} variants, from 0 on, and none of number {}",
+            only.end - 1
+        )));
+    }
     let cores = std::thread::available_parallelism().map_or(1, NonZero::get);
     let sweep = Sweep {
         load: &load,
         options: scene.options(),
         axes,
         jobs: arguments.jobs.unwrap_or(cores),
+        only: arguments.only.clone(),
     };
     let out = arguments.out.clone();
     let out = out.unwrap_or_else(|| Path::new("out").join(format!("{}_sweep", scene.stem())));
@@ -88,7 +119,11 @@ pub fn sweep(arguments: &SweepArguments) -> Result<(), Failure> {
         bar.set_position(done as u64);
     })?;
     bar.finish_and_clear();
-    finish(&[&out], &out, arguments.no_pictures)
+    match arguments.only {
+        None => finish(&[&out], &out, arguments.no_pictures),
+        // What others run is not missing.
+        Some(_) => Ok(()),
+    }
 }
 
 pub fn merge(arguments: &MergeArguments) -> Result<(), Failure> {

@@ -5,6 +5,12 @@
 //! crumpled body an inner node may well be the one that meets the wall. What is known outlives the step: what a node
 //! touched last tells on which side of a thin plate it belongs, and where friction took hold of it.
 
+#[cfg(feature = "serde-serialize")]
+mod saved;
+
+#[cfg(feature = "serde-serialize")]
+pub use saved::Saved;
+
 use super::feature::Features;
 use super::form::{Form, address};
 use super::nodes::Nodes;
@@ -31,22 +37,30 @@ pub struct Candidates {
     way: f64,
     /// How often the nodes had been moved from outside by then.
     edits: u64,
+    /// Of the body \[m\].
+    spacing: f64,
+}
+
+/// What of a body needs to be watched near a target besides its nodes.
+fn features(form: &Form, spacing: f64) -> Option<Features> {
+    match form {
+        Form::Solid(solid) => Features::of(solid, spacing),
+        Form::Soup(_) => None,
+    }
 }
 
 impl Candidates {
     /// Lists to be filled at first use, for a body of this spacing \[m\].
     pub fn new(target: Target, pair: u32, spacing: f64) -> Self {
         Self {
-            features: match &target.form {
-                Form::Solid(solid) => Features::of(solid, spacing),
-                Form::Soup(_) => None,
-            },
+            features: features(&target.form, spacing),
             target,
             pair,
             nodes: Nodes::default(),
             frame: None,
             way: 0.0,
             edits: 0,
+            spacing,
         }
     }
 
@@ -73,6 +87,9 @@ impl Candidates {
             self.nodes.spend(moved + shifted);
         } else {
             self.forget();
+            if !alike {
+                self.features = features(&target.form, self.spacing);
+            }
         }
         self.frame = Some(now);
         self.target = target;

@@ -11,6 +11,10 @@ use crate::solve::rows::{Row, Rows, Term};
 
 /// The nodes of one body near one target, and what is remembered of those that touch it.
 #[derive(Clone, Debug)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub enum Nodes {
     /// Of a target with an inside.
     Solid(SolidNodes),

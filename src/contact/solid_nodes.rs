@@ -12,6 +12,10 @@ use crate::solve::rows::{Row, Rows};
 
 /// The nodes of one body near one solid, and what is remembered of those that touch it.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct SolidNodes {
     /// Distances from the solid without its skin.
     nodes: Watch,

@@ -14,6 +14,10 @@ use crate::solve::rows::{Row, Rows};
 
 /// The nodes of one body near one soup.
 #[derive(Clone, Debug)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct SoupNodes {
     facets: NodeFacets,
     /// Where each node of the list was last on its side, in the collider's frame \[m\].

@@ -11,6 +11,10 @@ use rapier3d::geometry::{Collider, ColliderHandle, InteractionGroups, SharedShap
 
 /// How a deformable's surface behaves in contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct Surface {
     /// Coulomb's μ of this side.
     pub friction: Real,
@@ -84,6 +88,10 @@ pub struct Target {
 
 /// A target's frame in the world at one instant.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct Frame {
     /// Its origin \[m\].
     pub position: DVec3,

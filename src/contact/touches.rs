@@ -9,6 +9,10 @@ pub type Key = [u32; 3];
 
 /// A point that touches, in the collider's frame.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 struct Touch {
     key: Key,
     /// Its row in the substep under way.
@@ -22,6 +26,10 @@ struct Touch {
 /// Where friction took hold of a point: of what material point of the deformable, by the weights of its nodes, and where on
 /// the collider \[m\].
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct Hold {
     /// Weights of the nodes.
     pub weights: [f64; 4],
@@ -34,6 +42,10 @@ pub struct Hold {
 
 /// The points of one kind of a pair of body and collider.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct Touches {
     kept: Vec<Touch>,
     next: Vec<Touch>,

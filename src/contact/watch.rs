@@ -9,6 +9,10 @@ const AHEAD: f64 = 64.0;
 
 /// Elements of a body that may come near something.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct Watch {
     /// Per element the way at which it may arrive \[m\].
     due: Vec<f64>,

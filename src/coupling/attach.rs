@@ -19,6 +19,10 @@ use std::sync::Arc;
 /// What nodes are attached to; `D` is a handle of a deformable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub enum To<D> {
     /// A rigid body, with or without colliders.
     Body(RigidBodyHandle),
@@ -37,6 +41,10 @@ impl<D> From<RigidBodyHandle> for To<D> {
 /// How held points are held.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub enum Hold {
     /// Every node at its own point.
     Weld,
@@ -53,6 +61,10 @@ pub enum Hold {
 
 /// A node's part in a held point.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct Part {
     /// Whether the node is one of the deformable that is attached to.
     pub other: bool,
@@ -64,6 +76,10 @@ pub struct Part {
 
 /// A held point.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct Point {
     /// Its nodes.
     pub parts: Vec<Part>,
@@ -73,6 +89,10 @@ pub struct Point {
 
 /// When, and under what, an attachment broke.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct Break {
     /// Force on the target \[N\].
     pub force: DVec3,
@@ -84,6 +104,10 @@ pub struct Break {
 
 /// An attachment as the world keeps it.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct Bond<D> {
     /// The deformable whose nodes are attached.
     pub deformable: D,

@@ -5,6 +5,10 @@ use crate::math::DVec3;
 
 /// Memory of one rigid body.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct BodyMemory {
     /// Response ratio ρ in [0, 1]: 1 for a body that answers like a free one. `None` until first guessed.
     pub response: Option<Response>,
@@ -25,6 +29,10 @@ pub struct BodyMemory {
 /// How much of the answer that was computed for it a constrained body gives: for links of multibodies, and for jointed
 /// bodies that also press on others or have limits, motors or soft joints.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct Response {
     /// Along each axis of the world.
     pub along: DVec3,

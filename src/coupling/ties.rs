@@ -14,6 +14,10 @@ const AVERAGE_OVER: f64 = 1e-4;
 
 /// Averages of force \[N\] and moment \[N·m\] on the target.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct Average {
     /// Force \[N\].
     pub force: DVec3,

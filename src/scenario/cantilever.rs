@@ -3,12 +3,10 @@
 //! 2 × 0.2 × 0.2 m, E = 12 MPa, 8 kg: a lattice of springs, linear tets, quadratic tets, and Rapier's own soft body. The answer
 //! is a textbook's, so the distance from it is the error, and the time a frame takes is what it costs.
 
-use super::{Cast, Figures, Options, Run, Scene, SceneError};
-use crate::body::{Material, NodeId, Solid};
+use super::{Figures, Options, Run, Scene, SceneError};
+use crate::body::NodeId;
 use crate::math::{Real, Vector};
-use crate::shape::{TetSplit, lattice, tet_box};
-use crate::world::{DeformableBuilder, DeformableWorld, Substeps};
-use rapier3d::dynamics::{SoftBodyBuilder, SoftBodyCellModel, SoftBodyHandle, SoftBodyMaterial};
+use rapier3d::dynamics::SoftBodyHandle;
 use rapier3d::pipeline::PhysicsWorld;
 use std::time::Instant;
 
@@ -26,14 +24,8 @@ pub const SCENE: Scene = Scene {
     figures,
 };
 
-/// Size of the beam \[m\].
-pub const SIZE: Vector = Vector::new(2.0, 0.2, 0.2);
-/// Young's modulus \[Pa\].
-pub const YOUNG: f64 = 1.2e7;
-/// Mass \[kg\].
-pub const MASS: Real = 8.0;
-/// Rayleigh's α \[1/s\]: twice the first angular frequency, so that the beam comes to rest without swinging.
-pub const ALPHA: f64 = 35.0;
+/// Half the length of the beam \[m\].
+const HALF: Real = 1.0;
 
 /// One way to model the beam.
 #[derive(Clone, Copy, Debug)]
@@ -90,81 +82,8 @@ pub const PATHS: [Path; 4] = [
     },
 ];
 
-/// The beam as a deformable, its clamped end at x = −1.
-fn deformable(path: &str, options: &Options) -> Result<DeformableBuilder, SceneError> {
-    let cell = options.cell as Real;
-    let clamped = -0.5 * SIZE.x + 1e-4;
-    let density = f64::from(MASS) / f64::from(SIZE.x * SIZE.y * SIZE.z);
-    let solid = Solid::new(YOUNG, 0.0, density).damping(ALPHA, 0.0);
-    let builder = match path {
-        "lattice" => {
-            let net = lattice(SIZE, cell)?;
-            let mean = MASS / net.nodes.len() as Real;
-            DeformableBuilder::new(net)
-                .material(Material::elastic(YOUNG as Real, density as Real))
-                .drag(ALPHA as Real * mean)
-        }
-        "linear" => DeformableBuilder::tets(tet_box(SIZE, cell, TetSplit::Five), solid),
-        _ => {
-            let mesh = tet_box(SIZE, 2.0 * cell, TetSplit::Six)?;
-            DeformableBuilder::tets(mesh.quadratic(), solid)
-        }
-    };
-    Ok(builder
-        .pin(move |x| x.x < clamped)
-        .substeps(Substeps::Auto {
-            safety: options.safety,
-            min_h: 1.0e-7,
-        }))
-}
-
-/// The beam as a soft body of Rapier's, of corotational cells.
-fn native(z: Real, options: &Options) -> SoftBodyBuilder {
-    let counts = (SIZE / options.cell as Real).round() + Vector::ONE;
-    let [nx, ny, nz] = counts.to_array().map(|n| n as usize);
-    let builder = SoftBodyBuilder::cuboid(Vector::new(0.0, 0.0, z), 0.5 * SIZE, nx, ny, nz)
-        .cell_model(SoftBodyCellModel::Corotational)
-        .material(SoftBodyMaterial {
-            young_modulus: YOUNG as Real,
-            poisson_ratio: 0.0,
-            elastic_damping_ratio: 1.0,
-            ..SoftBodyMaterial::default()
-        })
-        .mass(MASS)
-        .can_sleep(false);
-    let places = builder.particle_positions().to_vec();
-    let clamped = (0..)
-        .zip(&places)
-        .filter(|(_, p)| p.x < -0.5 * SIZE.x + 1e-4);
-    builder.pinned_particles(clamped.map(|(i, _)| i).collect::<Vec<u32>>())
-}
-
-/// Where a path's beam lies across \[m\].
-fn across(path: usize) -> Real {
-    0.5 * (path as Real - 1.5)
-}
-
 fn build(options: &Options) -> Result<Run, SceneError> {
-    let mut world = PhysicsWorld::default();
-    let mut cast = Cast::default();
-    let mut deformables = DeformableWorld::default();
-    deformables.params.expected_dt = options.dt;
-    for (i, path) in PATHS.iter().enumerate() {
-        if path.name == "native" {
-            world.insert_soft_body(native(across(i), options));
-            continue;
-        }
-        let beam = deformable(path.name, options)?;
-        let beam = beam.translation(Vector::new(0.0, 0.0, across(i)));
-        cast.deformables
-            .push((path.name.into(), deformables.insert(beam)?));
-    }
-    let mut run = Run::new(world, deformables, cast, options);
-    run.frame_times = vec![0.0, options.duration];
-    run.view = Vector::new(0.5, 0.35, 1.0);
-    run.recorder.sampling.history = 1.0e-3;
-    run.recorder.sampling.energy = 5.0e-3;
-    Ok(run)
+    super::from_file("cantilever", options)
 }
 
 fn figures(run: &Run) -> Result<Figures, SceneError> {
@@ -189,17 +108,23 @@ fn figures(run: &Run) -> Result<Figures, SceneError> {
 /// A beam in a world of its own: deflection of its tip at the end \[m\], and milliseconds per frame.
 ///
 /// # Errors
-/// Those of building it.
+/// Those of building it, and [`SceneError::Missing`] for a path that is none.
 pub fn alone(path: &str, options: &Options) -> Result<(f64, f64), SceneError> {
-    let mut world = PhysicsWorld::default();
-    world.integration_parameters.dt = options.dt as Real;
+    let mut scene = super::file("cantilever", options)?;
+    scene.deformables.retain(|d| d.name == path);
+    scene.soft_bodies.retain(|s| s.name == path);
+    let middles = scene.deformables.iter_mut().map(|d| &mut d.translation);
+    let native = scene.soft_bodies.iter_mut().map(|s| &mut s.translation);
+    middles.chain(native).for_each(|at| *at = [0.0; 3]);
+    let run = scene.build()?;
+    let (mut world, mut deformables) = (run.world, run.deformables);
     let steps = (options.duration / options.dt).round().max(1.0);
-    if path == "native" {
-        let builder = native(0.0, options);
-        let places = builder.particle_positions();
-        let far = (0..places.len()).filter(|&i| places[i].x > 0.5 * SIZE.x - 1e-4);
-        let tip: Vec<usize> = far.collect();
-        let soft = world.insert_soft_body(builder);
+    let native = world.soft_bodies.iter().next().map(|(soft, body)| {
+        let far = |i: &usize| body.particle_position(*i).x > HALF - 1e-4;
+        (soft, (0..body.num_particles()).filter(far).collect())
+    });
+    if let Some((soft, tip)) = native {
+        let tip: Vec<usize> = tip;
         let start = Instant::now();
         for _ in 0..steps as usize {
             world.step();
@@ -207,9 +132,8 @@ pub fn alone(path: &str, options: &Options) -> Result<(f64, f64), SceneError> {
         let ms = 1e3 * start.elapsed().as_secs_f64() / steps;
         return Ok((native_tip(&world, soft, &tip), ms));
     }
-    let mut deformables = DeformableWorld::default();
-    let beam = deformables.insert(deformable(path, options)?)?;
-    let end = |x: Vector| x.x > 0.5 * SIZE.x - 1e-4;
+    let beam = run.cast.deformable(path);
+    let beam = beam.ok_or(SceneError::Missing("beam of this name"))?;
     let at_rest: Vec<Vector> = deformables[beam].positions().collect();
     let start = Instant::now();
     for _ in 0..steps as usize {
@@ -217,7 +141,7 @@ pub fn alone(path: &str, options: &Options) -> Result<(f64, f64), SceneError> {
     }
     let ms = 1e3 * start.elapsed().as_secs_f64() / steps;
     let body = &deformables[beam];
-    let nodes = (0..).zip(&at_rest).filter(|(_, x)| end(**x));
+    let nodes = (0..).zip(&at_rest).filter(|(_, x)| x.x > HALF - 1e-4);
     let moved: Vec<f64> = nodes
         .filter_map(|(n, x)| Some(body.position(NodeId(n))?.y - f64::from(x.y)))
         .collect();

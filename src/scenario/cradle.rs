@@ -4,11 +4,8 @@
 //! hits one of twice its length comes to rest and leaves it half its speed, the other half of the energy being waves.
 //! There is no damping, so what is lost is lost to the mesh or to the contact.
 
-use super::{Cast, Figures, Options, Run, Scene, SceneError};
-use crate::body::{Net, Node, Spring};
-use crate::math::{DVec3, Real, Vector};
-use crate::world::{DeformableBuilder, DeformableWorld, Substeps};
-use rapier3d::pipeline::PhysicsWorld;
+use super::{Figures, Options, Run, Scene, SceneError};
+use crate::math::{DVec3, Real};
 
 /// The scene.
 pub const SCENE: Scene = Scene {
@@ -25,63 +22,16 @@ pub const SCENE: Scene = Scene {
 };
 
 /// Length of the striking bars \[m\].
-pub const LENGTH: f64 = 1.0;
+const LENGTH: f64 = 1.0;
 /// Their speed \[m/s\].
-pub const SPEED: f64 = 1.0;
-/// Stiffness times length of a bar, EA \[N\], and mass per length \[kg/m\]: waves run at 100 m/s.
-pub const BAR: [f64; 2] = [1.0e4, 1.0];
-/// Distance of the bars at the start, beyond the thickness of their ends \[m\].
-pub const GAP: f64 = 1.0e-4;
-/// The pairs: how many times as long the bar that is hit is, and where they are along z \[m\].
-const PAIRS: [(usize, Real); 2] = [(1, -0.15), (2, 0.15)];
-
-/// A bar of `n` springs along x from the origin, the nodes at its ends half as heavy.
-fn bar(n: usize, length: f64) -> Net {
-    let [ea, density] = BAR;
-    let dx = length / n as f64;
-    let nodes = (0..=n).map(|i| {
-        let share = if i == 0 || i == n { 0.5 } else { 1.0 };
-        let at = Vector::new((i as f64 * dx) as Real, 0.0, 0.0);
-        Node::new(at, (share * density * dx) as Real)
-    });
-    let springs = (0..n as u32).map(|i| Spring::new(i, i + 1, (ea / dx) as Real));
-    Net::new(nodes.collect(), springs.collect())
-}
+const SPEED: f64 = 1.0;
+/// Mass per length of a bar \[kg/m\].
+const DENSITY: f64 = 1.0;
+/// The pairs: how many times as long the bar that is hit is.
+const PAIRS: [usize; 2] = [1, 2];
 
 fn build(options: &Options) -> Result<Run, SceneError> {
-    let world = PhysicsWorld {
-        gravity: Vector::ZERO,
-        ..PhysicsWorld::default()
-    };
-    let mut cast = Cast::default();
-    let mut deformables = DeformableWorld::default();
-    deformables.params.expected_dt = options.dt;
-    let n = ((LENGTH / options.cell).round() as usize).max(1);
-    // Ends are points with a thickness, less than half of what is between two nodes.
-    let thickness = 0.45 * LENGTH / n as f64;
-    let start = -LENGTH - thickness - GAP;
-    for (ratio, z) in PAIRS {
-        for (role, times, x, v) in [("striker", 1, start, SPEED), ("struck", ratio, 0.0, 0.0)] {
-            let handle = deformables.insert(
-                DeformableBuilder::new(bar(n * times, LENGTH * times as f64))
-                    .thickness(thickness as Real)
-                    .friction(0.0)
-                    .translation(Vector::new(x as Real, 0.0, z))
-                    .linvel(Vector::new(v as Real, 0.0, 0.0))
-                    .substeps(Substeps::Auto {
-                        safety: options.safety,
-                        min_h: 1.0e-9,
-                    }),
-            )?;
-            cast.deformables.push((format!("{role}_{ratio}"), handle));
-        }
-    }
-    let mut run = Run::new(world, deformables, cast, options);
-    run.frame_times = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0]
-        .into_iter()
-        .map(|share: f64| share * options.duration)
-        .collect();
-    Ok(run)
+    super::from_file("cradle", options)
 }
 
 /// Keys and labels of a pair: velocity of the striking and of the struck bar.
@@ -98,9 +48,9 @@ const KEYS: [[(&str, &str); 2]; 2] = [
 
 fn figures(run: &Run) -> Result<Figures, SceneError> {
     let mut f = Figures::default();
-    let whole = LENGTH * BAR[1] * SPEED;
+    let whole = LENGTH * DENSITY * SPEED;
     let mut momentum_error = 0.0_f64;
-    for ((ratio, _), keys) in PAIRS.into_iter().zip(KEYS) {
+    for (ratio, keys) in PAIRS.into_iter().zip(KEYS) {
         let mut momentum = DVec3::ZERO;
         for (role, (key, label)) in ["striker", "struck"].into_iter().zip(keys) {
             let handle = run.cast.deformable(&format!("{role}_{ratio}"));
@@ -138,7 +88,7 @@ fn figures(run: &Run) -> Result<Figures, SceneError> {
 
 /// How many nodes of striking bars are past the near end of the bar they hit.
 fn through(run: &Run) -> f64 {
-    let pairs = PAIRS.into_iter().filter_map(|(ratio, _)| {
+    let pairs = PAIRS.into_iter().filter_map(|ratio| {
         let get = |role| {
             let handle = run.cast.deformable(&format!("{role}_{ratio}"))?;
             run.deformables.get(handle)

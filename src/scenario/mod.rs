@@ -135,8 +135,8 @@ impl Scene {
     }
 }
 
-/// Builds the scene of a file that comes with the crate, its variables set to these options.
-fn from_file(name: &str, options: &Options) -> Result<Run, SceneError> {
+/// The scene of a file that comes with the crate, its variables set to these options.
+fn file(name: &str, options: &Options) -> Result<Scenario, SceneError> {
     let set = [
         ("dt", options.dt),
         ("duration", options.duration),
@@ -147,5 +147,10 @@ fn from_file(name: &str, options: &Options) -> Result<Run, SceneError> {
         set: set.map(|(name, value)| (name.into(), value)).into(),
         ..LoadOptions::default()
     };
-    Ok(Scenario::embedded(name, &options)?.build()?)
+    Ok(Scenario::embedded(name, &options)?)
+}
+
+/// Builds the scene of a file.
+fn from_file(name: &str, options: &Options) -> Result<Run, SceneError> {
+    Ok(file(name, options)?.build()?)
 }

@@ -22,6 +22,10 @@ where
 
 /// What acts on every node of a body besides its springs.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct External<S> {
     /// Acceleration of gravity \[m/s²\].
     pub gravity: [S; 3],

@@ -16,6 +16,10 @@ pub(crate) type Lanes<S> = [S; 4];
 /// Forces on one node \[N\].
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(32))]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub(crate) struct Force<S> {
     pub elastic: Lanes<S>,
     pub damping: Lanes<S>,

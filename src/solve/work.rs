@@ -7,6 +7,10 @@
 
 /// Sums of work \[J\]. Dissipation counts positive, work of external forces positive when it adds energy.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct Work {
     /// Dissipated by spring damping and drag.
     pub damping: f64,

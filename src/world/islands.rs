@@ -20,6 +20,10 @@ use rapier3d::parry::bounding_volume::BoundingVolume;
 const NEAR: f64 = 0.01;
 
 /// A deformable's part in sleeping.
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sleep {
     /// Whether it may sleep.
@@ -48,6 +52,10 @@ impl Sleep {
 }
 
 /// A collider that a sleeping deformable may lie on.
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 #[derive(Clone, Debug, PartialEq)]
 struct Neighbour {
     collider: ColliderHandle,
@@ -58,6 +66,10 @@ struct Neighbour {
 }
 
 /// A sleeping deformable.
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 #[derive(Clone, Debug)]
 struct Sleeper {
     deformable: DeformableHandle,
@@ -66,6 +78,10 @@ struct Sleeper {
 }
 
 /// A group asleep.
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 #[derive(Clone, Debug)]
 pub(super) struct Island {
     members: Vec<DeformableHandle>,

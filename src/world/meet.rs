@@ -35,6 +35,10 @@ const MOST: f64 = 256.0;
 
 /// The boxes of all bodies that took part in the last step, by slot.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub(super) struct Meetings {
     tree: Bvh,
     slots: Vec<u32>,

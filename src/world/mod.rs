@@ -31,6 +31,8 @@ mod settings;
 #[cfg(feature = "statics")]
 mod settle;
 mod sleep;
+#[cfg(feature = "serde-serialize")]
+mod snapshot;
 mod solid;
 mod solve;
 mod step;
@@ -57,6 +59,8 @@ pub use query::{
     DeformableFilter, DeformableOverlap, DeformableProjection, DeformableRayHit, RayHit,
 };
 pub use report::StepReport;
+#[cfg(feature = "serde-serialize")]
+pub use snapshot::SnapshotError;
 pub use touch::{PairContact, TouchEvent, TouchEventKind};
 
 use crate::body::BuildError;
@@ -72,6 +76,10 @@ use std::collections::BTreeMap;
 
 /// A deformable in a [`DeformableWorld`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct DeformableHandle(pub(crate) Index);
 
 impl DeformableHandle {
@@ -83,6 +91,10 @@ impl DeformableHandle {
 
 /// An attachment in a [`DeformableWorld`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct AttachmentHandle(pub(crate) Index);
 
 /// Deformable bodies, and everything needed to step them beside a Rapier world.

@@ -49,6 +49,10 @@ pub struct Substep<'a> {
 
 /// What a deformable is in contact with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub enum Partner {
     /// A collider.
     Collider(ColliderHandle),
@@ -93,6 +97,10 @@ pub struct NodeImpulse {
 }
 
 /// What one partner did to one deformable in a substep.
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairImpulse {
     /// The deformable.
@@ -108,6 +116,10 @@ pub struct PairImpulse {
 }
 
 /// What one attachment did in a substep to a deformable: that which is attached, or the one that it is attached to.
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AttachmentImpulse {
     /// The attachment.

@@ -6,6 +6,10 @@ use crate::solve::{Integrator, Kernel};
 /// How many substeps a body gets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub enum Substeps {
     /// As many as stability needs, found from stiffness, damping, masses, scheme and the current shape.
     Auto {
@@ -55,6 +59,10 @@ impl Substeps {
 /// Settings of a [`DeformableWorld`](super::DeformableWorld).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct DeformableParameters {
     /// The scheme of bodies that have none of their own.
     pub integrator: Integrator,

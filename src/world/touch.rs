@@ -11,6 +11,10 @@ use rapier3d::data::arena::Index;
 /// What one partner did to one deformable in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct PairContact {
     /// The deformable.
     pub deformable: DeformableHandle,
@@ -74,6 +78,10 @@ pub(super) type TouchKey = ((u32, u32), (bool, (u32, u32)));
 
 /// A pair that touches, or did a moment ago.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub(super) struct Touch {
     contact: PairContact,
     /// Σ of normal impulses \[N·s\].

@@ -26,6 +26,10 @@ const NAMED: usize = 8;
 
 /// Nodes of tetrahedra, all of one kind. Corners a, b, c, d turn right-handed: (b − a)×(c − a)·(d − a) > 0.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub enum Tets {
     /// Four corners: constant strain. Cheap per element, too stiff in bending and where volume is nearly kept.
     Linear(Vec<[u32; 4]>),
@@ -71,6 +75,10 @@ impl Tets {
 
 /// A tetrahedral mesh at rest.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct TetMesh {
     /// Positions \[m\].
     pub nodes: Vec<DVec3>,

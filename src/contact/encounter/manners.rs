@@ -6,6 +6,10 @@ use rapier3d::dynamics::CoefficientCombineRule;
 
 /// What two bodies agree upon.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct Manners {
     /// Combined μ.
     pub friction: f64,

@@ -23,6 +23,10 @@ use touch::Touches;
 
 /// Two deformables that may touch.
 #[derive(Clone, Debug)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct Encounter {
     /// Indices of the bodies within their group, in ascending order.
     pub members: [u32; 2],

@@ -5,6 +5,10 @@ use crate::solve::rows::Rows;
 
 /// Something of one body near something of the other.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct Touch {
     /// The node, or the edge of the first body.
     pub own: u32,
@@ -20,6 +24,10 @@ pub struct Touch {
 
 /// The touches of one kind, sorted by `own`.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct Touches {
     known: Vec<Touch>,
     next: Vec<Touch>,

@@ -10,6 +10,8 @@
 mod making;
 mod part;
 mod patch;
+#[cfg(feature = "serde-serialize")]
+mod saved;
 
 use super::distance::Solid;
 use super::site::Site;
@@ -19,6 +21,8 @@ use crate::math::DVec3;
 use crate::solve::rows::Rows;
 use making::{Making, Met};
 use part::Part;
+#[cfg(feature = "serde-serialize")]
+pub use saved::Saved;
 
 /// A convex part rounder than this many spacings needs no feature contacts: an edge dips into it by a fiftieth of its length.
 const ROUND: f64 = 6.0;

@@ -11,12 +11,16 @@ pub(super) struct Part {
     pub convex: Convex,
     pub faces: Watch,
     pub edges: Watch,
-    state: Waking,
+    pub state: Waking,
 }
 
 /// Whether anything is watched at all: the middle of a large floor has nothing that faces and edges could miss.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Waking {
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
+pub(super) enum Waking {
     /// Until the way at which the body may come near any edge \[m\].
     Asleep(f64),
     Awake,

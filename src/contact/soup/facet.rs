@@ -35,6 +35,10 @@ const FLAT: f64 = 1.0e-12;
 
 /// A facet with what every query of it needs.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct Patch {
     /// The facet's id in its soup.
     pub id: u32,

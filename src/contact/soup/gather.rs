@@ -7,6 +7,10 @@ use crate::math::DVec3;
 
 /// The nodes near a soup and the facets near each; a list to be made again when something has moved by its margin.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct NodeFacets {
     nodes: Vec<u32>,
     /// Where the facets of each node begin in `slots`, and one more.

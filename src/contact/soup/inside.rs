@@ -9,6 +9,10 @@ use rapier3d::parry::partitioning::TraversalAction;
 
 /// The nearest way out.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct Exit {
     /// The nearest facet, the lowest id among equals.
     pub facet: u32,

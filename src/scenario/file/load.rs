@@ -14,10 +14,11 @@ use std::path::{Path, PathBuf};
 /// Most files of a scene.
 const MOST_FILES: usize = 64;
 /// Keys whose lists an including file adds to; it replaces everything else.
-const ADDED: [&str; 10] = [
+const ADDED: [&str; 11] = [
     "rigid",
     "joints",
     "deformables",
+    "soft_bodies",
     "attachments",
     "sets",
     "no_contact",

@@ -30,6 +30,8 @@ pub struct Outcome {
     pub probes: Vec<(String, Series)>,
     /// Bit for bit the state of all deformables.
     pub state_hash: String,
+    /// With which [`Kernel`](crate::solve::Kernel) it was computed; all give the same bits.
+    pub kernel: &'static str,
     /// The run itself.
     pub run: ScenarioRun,
 }
@@ -52,6 +54,7 @@ impl Outcome {
             checks: checks?,
             probes: probes?,
             state_hash,
+            kernel: run.run.deformables.params.kernel.name(),
             run,
         })
     }

@@ -1,9 +1,13 @@
 //! One number of a series: its peak, its mean, its value at a time.
 
 use super::run::Series;
+use crate::record::ResampleError;
 
 /// A number with the time it belongs to \[s\], if it belongs to one.
 pub(super) type Measured = (f64, Option<f64>);
+
+/// Most samples of one channel.
+const MOST: f64 = 1.0e8;
 
 const NONE: Measured = (f64::NAN, None);
 
@@ -21,6 +25,31 @@ impl Series {
             values,
             bins: self.bins,
         }
+    }
+
+    /// Mean time between samples \[s\]; `None` for fewer than two.
+    pub(super) fn interval(&self) -> Option<f64> {
+        let gaps = self.times.len().checked_sub(1).filter(|n| *n > 0)?;
+        let mean = (self.times.last()? - self.times.first()?) / gaps as f64;
+        (mean > 0.0).then_some(mean)
+    }
+
+    /// Values every `dt` s from the first sample on, straight between samples.
+    pub(super) fn spaced(&self, dt: f64) -> Result<Self, ResampleError> {
+        let (Some(first), Some(last)) = (self.times.first(), self.times.last()) else {
+            return Ok(self.clone());
+        };
+        // A hair more, so that an end which is a whole number of intervals off is reached.
+        let count = ((last - first) / dt + 1.0e-6).floor() + 1.0;
+        if count > MOST {
+            return Err(ResampleError::Bins { bins: count, dt });
+        }
+        let times: Vec<f64> = (0..count as usize).map(|i| first + i as f64 * dt).collect();
+        Ok(Self {
+            values: times.iter().map(|t| self.at(*t)).collect(),
+            times,
+            bins: None,
+        })
     }
 
     fn pairs(&self) -> impl DoubleEndedIterator<Item = (f64, f64)> {
@@ -152,6 +181,23 @@ mod tests {
         };
         assert_eq!((bins.integral(), bins.mean()), (3.0, 3.0));
         assert!(series(&[]).mean().is_nan() && series(&[]).peak().0.is_nan());
+    }
+
+    #[test]
+    fn samples_are_spaced_anew() {
+        let s = series(&[0.0, 2.0, 4.0]);
+        assert_eq!(s.interval(), Some(1.0));
+        let fine = s.spaced(0.25).unwrap();
+        assert_eq!(fine.times.len(), 9);
+        assert!(
+            fine.times
+                .iter()
+                .zip(&fine.values)
+                .all(|(t, v)| *v == 2.0 * t)
+        );
+        assert_eq!(s.spaced(0.8).unwrap().times, [0.0, 0.8, 1.6]);
+        assert!(matches!(s.spaced(1.0e-9), Err(ResampleError::Bins { .. })));
+        assert_eq!(series(&[1.0]).interval(), None);
     }
 
     #[test]

@@ -25,7 +25,7 @@ pub(super) fn figures(run: &Run) -> Result<Figures, SceneError> {
     let mut f = Figures::default();
     let (mut through, mut fewest, mut deepest) = (0, usize::MAX, 0.0_f64);
     let mut fastest = 0.0_f64;
-    for ((name, ..), [held_key, sag_key, rest_key]) in SHEETS.into_iter().zip(KEYS) {
+    for (name, [held_key, sag_key, rest_key]) in SHEETS.into_iter().zip(KEYS) {
         let handle = run.cast.deformable(&format!("sheet_{name}"));
         let sheet = handle.and_then(|h| Some((run.deformables.get(h)?, run.recorder.body(h)?)));
         let (sheet, record) = sheet.ok_or(SceneError::Missing("sheet"))?;
@@ -85,11 +85,11 @@ fn height([a, b, c]: [DVec3; 3], p: DVec3) -> Option<f64> {
 /// How many nodes of the sheet are over the middle of a box, or within it by more than 1 mm.
 fn over(sheet: &Deformable, body: &RigidBody) -> usize {
     let (turn, at) = (body.rotation().inverse(), wide(body.translation()));
-    let within = f64::from(HALF) - 1.0e-3;
+    let within = HALF - 1.0e-3;
     let nodes = sheet.positions().map(wide).filter(|p| {
         let away = *p - at;
         let inside = wide(turn * away.as_vec3()).abs().max_element() < within;
-        inside || (away.y > 0.0 && away.x.hypot(away.z) < f64::from(HALF))
+        inside || (away.y > 0.0 && away.x.hypot(away.z) < HALF)
     });
     nodes.count()
 }

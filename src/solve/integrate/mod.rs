@@ -25,6 +25,10 @@ use crate::math::Scalar;
 /// How positions and velocities are advanced.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub enum Integrator {
     /// x += h·v with the old v, then v += h·F/m. Order 1; grows unless damped: the textbook's warning.
     ExplicitEuler,

@@ -39,6 +39,10 @@ pub(crate) fn of_f32_mut<T: Any, F: Any>(value: &mut T) -> Option<&mut F> {
 /// With which vectors forces are computed. All give the same bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub enum Kernel {
     /// The widest that the processor has.
     #[default]

@@ -141,7 +141,10 @@ impl Sell {
     /// its indices.
     pub fn new(links: &[Link<f32>], limits: &[Limit<f32>], state: &State<f32>) -> Option<Self> {
         let nodes = state.particles.len();
-        let whole = |&(_, link): &(usize, &Link<f32>)| link.stiffness != 0.0 || link.damping != 0.0;
+        // Broken springs keep their slots, so that a table made late has the order of one whose springs broke under way.
+        let whole = |&(i, link): &(usize, &Link<f32>)| {
+            state.broken[i] || link.stiffness != 0.0 || link.damping != 0.0
+        };
         let springs = links.iter().enumerate().filter(whole);
         let adjacency = Adjacency::new(nodes, springs.map(|(i, l)| (i as u32, [l.a, l.b])));
         let order = adjacency.rows();
@@ -196,7 +199,10 @@ impl Sell {
         self.out.push(std::array::from_fn(|l| node(l, self.nodes)));
         let longest = nodes.iter().map(|&n| adjacency.at(n).len()).max();
         for slot in 0..longest.unwrap_or(0) {
-            let end = |lane: usize| adjacency.at(*nodes.get(lane)?).get(slot).copied();
+            let end = |lane: usize| {
+                let end = adjacency.at(*nodes.get(lane)?).get(slot).copied();
+                end.filter(|(spring, _)| !state.broken[*spring as usize])
+            };
             let of = |value: fn(&Link<f32>) -> f32| {
                 Wide(std::array::from_fn(|l| {
                     end(l).map_or(0.0, |(spring, _)| value(&links[spring as usize]))

@@ -14,6 +14,8 @@ mod queries;
 mod rigid;
 mod settings;
 mod sleep;
+#[cfg(feature = "cli")]
+mod snapshots;
 mod solids;
 mod state;
 mod time;

@@ -306,3 +306,23 @@ fn what_does_not_sleep() {
     let held = (e.kinetic + e.elastic) / 0.5e-6;
     assert!((held - 1.0).abs() < 1e-2, "{held}");
 }
+
+/// A saved sleeper sleeps on, and wakes like the one it is a copy of.
+#[test]
+fn a_restored_sleeper_sleeps_on() {
+    let (mut world, mut set, soft, _) = cube_asleep();
+    let bytes = set.save(&world).unwrap();
+    let (mut again, mut world_again) = DeformableWorld::load(&bytes).unwrap();
+    for wakes in [false, true] {
+        for (set, world) in [(&mut set, &mut world), (&mut again, &mut world_again)] {
+            if wakes {
+                set[soft].set_linvel(Vector::Y);
+            }
+            for _ in 0..20 {
+                set.step(world);
+            }
+            assert_eq!(set[soft].is_sleeping(), !wakes);
+        }
+        assert_eq!(again.state_hash(), set.state_hash());
+    }
+}

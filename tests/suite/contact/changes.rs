@@ -142,6 +142,30 @@ fn a_floor_may_change_its_shape() {
     }
 }
 
+/// A block on a pillar between its nodes, which becomes shorter under it. Seen once: the block stayed up in the air, on the
+/// corners of the shape that the collider had before. Expected: it comes down to the new top.
+#[test]
+fn a_pillar_within_a_face_may_change_its_shape() {
+    let mut world = PhysicsWorld::default();
+    world.integration_parameters.dt = 1.0 / 240.0;
+    let pillar = ColliderBuilder::cuboid(0.06, 0.5, 0.06);
+    let (_, pillar) = world.insert(RigidBodyBuilder::fixed(), pillar);
+    let mut deformables = DeformableWorld::default();
+    let net = lattice(Vector::new(0.6, 0.2, 0.6), 0.2);
+    let block = DeformableBuilder::new(net)
+        .material(Material::elastic(2.0e5, 200.0).viscosity(2.0e3))
+        .translation(Vector::Y * 0.605);
+    let block = deformables.insert(block).unwrap();
+    for (half, top) in [(0.5, 0.5), (0.3, 0.3)] {
+        world.colliders[pillar].set_shape(SharedShape::cuboid(0.06, half, 0.06));
+        for _ in 0..180 {
+            deformables.step(&mut world);
+        }
+        let height = deformables[block].center_of_mass().y;
+        assert!((height - top - 0.1).abs() < 0.005, "is at {height} m");
+    }
+}
+
 #[test]
 fn colliders_of_no_extent_do_no_harm() {
     let point = Vector::new(0.05, 0.0, 0.05);

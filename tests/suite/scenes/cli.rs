@@ -92,7 +92,8 @@ fn a_run_writes_everything() {
         let value = summary[key].as_f64();
         assert!(value.is_some_and(f64::is_finite), "{key}: {text}");
     }
-    assert_eq!(summary["kernel"], "scalar");
+    let kernel = crumple::solve::Kernel::Auto.name();
+    assert_eq!(summary["kernel"], kernel);
     assert_eq!(summary["scene"], "wall");
     assert_eq!(summary["state_hash"].as_str().unwrap().len(), 16);
     for name in [

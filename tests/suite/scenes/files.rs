@@ -1,23 +1,23 @@
 //! The commands for scene files.
 
 use crumple::scenario::file::{LoadOptions, Scenario, embedded_names, reference, scenes_in};
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::path::PathBuf;
+use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
-fn crumple(arguments: &[&str]) -> Output {
+pub fn crumple(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_crumple"))
         .args(arguments)
         .output()
         .unwrap()
 }
 
-fn text(bytes: &[u8]) -> String {
+pub fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
 
 /// A new folder for one test.
-fn folder(name: &str) -> PathBuf {
+pub fn folder(name: &str) -> PathBuf {
     let path = std::env::temp_dir().join(format!("crumple-{}-{name}", std::process::id()));
     let _ = std::fs::remove_dir_all(&path);
     std::fs::create_dir_all(&path).unwrap();
@@ -27,7 +27,7 @@ fn folder(name: &str) -> PathBuf {
 const CATALOG: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/scenes");
 
 /// A stone that is thrown up; `floor` says how low it may get.
-const STONE: &str = r#"(
+pub const STONE: &str = r#"(
     about: "a stone is thrown up",
     variables: (speed: 5, floor: -100),
     world: (duration: 1),
@@ -160,115 +160,41 @@ fn the_reference_is_printed() {
     assert_eq!(crumple(&["keys", "Wrld"]).status.code(), Some(2));
 }
 
-fn sweep(file: &Path, out: &Path) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_crumple"));
-    command.arg("sweep").arg(file).arg("--out").arg(out);
-    command.args([
-        "--set",
-        "speed=1..8:8",
-        "--set",
-        "floor=-100,-50,1",
-        "--quiet",
-        "--no-pictures",
-    ]);
-    command.stdout(Stdio::null()).stderr(Stdio::null());
-    command
-}
-
-/// Killed at any moment and begun again, a sweep comes to the same results, byte for byte.
+/// Every channel takes a rate, and a filter where it is recorded often enough for it.
 #[test]
-fn a_killed_sweep_goes_on_where_it_was() {
-    let dir = folder("sweep");
-    let file = dir.join("stone.ron");
-    // Slow enough that a kill meets it at work.
-    std::fs::write(
-        &file,
-        STONE.replace("duration: 1)", "duration: 1, dt: 1e-4)"),
-    )
-    .unwrap();
-    let [whole, killed] = ["whole", "killed"].map(|f| dir.join(f));
-    let status = sweep(&file, &whole).status().unwrap();
-    // One of the floors is too high for all but the fastest stones.
-    assert_eq!(status.code(), Some(1));
-    let log = killed.join("results.jsonl");
-    let mut interrupted = 0;
-    for wait in [5, 60, 120, 200, 350] {
-        let mut child = sweep(&file, &killed).spawn().unwrap();
-        std::thread::sleep(Duration::from_millis(wait));
-        child.kill().unwrap();
-        child.wait().unwrap();
-        // As if it was killed in the middle of a line.
-        if let Ok(text) = std::fs::read_to_string(&log) {
-            interrupted += usize::from(text.lines().count() < 24);
-            std::fs::write(&log, text + "{\"variant\": 3, \"se").unwrap();
-        }
-    }
-    assert!(interrupted > 0, "no kill met the sweep at work");
-    sweep(&file, &killed).status().unwrap();
-    for name in ["merged.jsonl", "merged.csv"] {
-        let [a, b] = [&whole, &killed].map(|f| std::fs::read(f.join(name)).unwrap());
-        assert!(!a.is_empty() && a == b, "{name}");
-    }
-    let csv = std::fs::read_to_string(whole.join("merged.csv")).unwrap();
-    assert!(
-        csv.starts_with("variant,speed,floor,top,end,passed\n0,1,-100,0.0"),
-        "{csv}"
-    );
-    assert_eq!(csv.lines().count(), 25);
-
-    // Another sweep does not go into the same folder.
-    let output = Command::new(env!("CARGO_BIN_EXE_crumple"))
-        .arg("sweep")
-        .arg(&file)
-        .arg("--out")
-        .arg(&whole)
-        .args(["--set", "speed=1,2", "--quiet"])
-        .output()
-        .unwrap();
-    assert_eq!(output.status.code(), Some(2));
-    assert!(text(&output.stderr).contains("another sweep"));
-    std::fs::remove_dir_all(dir).unwrap();
-}
-
-/// Halves of a sweep from two folders make the whole.
-#[test]
-fn folders_of_one_sweep_are_merged() {
-    let dir = folder("merge");
-    let file = dir.join("stone.ron");
-    std::fs::write(&file, STONE).unwrap();
-    let [whole, one, two] = ["whole", "one", "two"].map(|f| dir.join(f));
-    sweep(&file, &whole).status().unwrap();
-    let lines = std::fs::read_to_string(whole.join("results.jsonl")).unwrap();
-    let lines: Vec<&str> = lines.split_inclusive('\n').collect();
-    for (part, range) in [(&one, 0..15), (&two, 10..24)] {
-        std::fs::create_dir_all(part).unwrap();
-        std::fs::copy(whole.join("sweep.json"), part.join("sweep.json")).unwrap();
-        std::fs::write(part.join("results.jsonl"), lines[range].concat()).unwrap();
-    }
-    let merge = |folders: &[&PathBuf]| {
-        let folders: Vec<&str> = folders.iter().map(|f| f.to_str().unwrap()).collect();
-        let out = dir.join("out");
-        let mut arguments = vec!["merge", "--no-pictures", "--out", out.to_str().unwrap()];
-        arguments.extend(folders);
-        crumple(&arguments)
+fn every_probe_has_a_rate_and_a_filter() {
+    let stone = |probe: &str| {
+        let text = format!(
+            "(world: (duration: 1, dt: 0.01, history: 1e-3, substeps: Fixed(10)),
+              deformables: [(name: \"stone\", body: Net(nodes: [(at: (0, 0, 0), mass: 2)]), linvel: (3, 0, 0))],
+              rigid: [(name: \"ball\", colliders: [(shape: Ball(0.1))], translation: (5, 0, 0))],
+              probes: [(name: \"p\", {probe})])"
+        );
+        let scene = Scenario::parse(&text, "probe.ron".as_ref(), &Default::default()).unwrap();
+        scene.run().map(|outcome| outcome.probes[0].1.clone())
     };
-    let output = merge(&[&two]);
-    assert!(
-        text(&output.stdout).contains("14 of 24 variants"),
-        "{}",
-        text(&output.stdout)
-    );
-    merge(&[&two, &one]);
-    let [a, b] = [&whole, &dir.join("out")].map(|f| std::fs::read(f.join("merged.jsonl")).unwrap());
-    assert_eq!(a, b);
-    let wrong = lines[3].replace("\"speed\":", "\"sped\":");
-    std::fs::write(two.join("results.jsonl"), wrong).unwrap();
-    let output = merge(&[&one, &two]);
-    assert!(
-        text(&output.stderr).contains("variant 3"),
-        "{}",
-        text(&output.stderr)
-    );
-    assert_eq!(merge(&[&dir]).status.code(), Some(2));
-    std::fs::remove_dir_all(dir).unwrap();
+    let height = |t: f64| -0.5 * 9.81 * t * t;
+    let all = stone("of: Position(of: \"stone\", axis: Y)").unwrap();
+    assert!(all.times.len() > 900, "{}", all.times.len());
+    let some = stone("of: Position(of: \"stone\", axis: Y), rate: 50").unwrap();
+    let spaced = |times: &[f64], by: f64| times.windows(2).all(|t| (t[1] - t[0] - by).abs() < 1e-9);
+    assert!(some.times.len() >= 50 && spaced(&some.times, 0.02));
+    let filtered = stone("of: Position(of: \"stone\", axis: Y), rate: 1000, cfc: Cfc60").unwrap();
+    assert!(filtered.times.len() > 990 && spaced(&filtered.times, 1e-3));
+    for (t, y) in some.times.iter().zip(&some.values) {
+        assert!((y - height(*t)).abs() < 0.02, "{y} at {t} s");
+    }
+    // In the middle a filter without delay leaves a parabola as it is, but for its constant curvature.
+    for i in 200..800 {
+        let (t, y) = (filtered.times[i], filtered.values[i]);
+        assert!((y - height(t)).abs() < 0.02, "{y} at {t} s");
+    }
+    // A rigid body is recorded once per step, a hundred times a second: too seldom for 100 Hz.
+    let ball = "of: Velocity(of: \"ball\", axis: Y)";
+    let seldom = stone(&format!("{ball}, rate: 20")).unwrap();
+    assert!(seldom.times.len() == 21 && spaced(&seldom.times, 0.05));
+    let error = stone(&format!("{ball}, cfc: Cfc60")).unwrap_err();
+    assert!(error.to_string().contains("CFC 60 needs"), "{error}");
+    let error = stone(&format!("{ball}, rate: 10000, cfc: Cfc60")).unwrap_err();
+    assert!(error.to_string().contains("CFC 60 needs"), "{error}");
 }

@@ -13,6 +13,7 @@ mod random;
 mod recorder;
 mod rubber_drop;
 mod slalom;
+mod sweeps;
 mod terrain;
 mod thin_plate;
 mod trampoline;

@@ -5,6 +5,7 @@ use super::super::model::deformable::{NodeSpec, Split, SpringSpec};
 use super::super::model::{
     Attachment, Body, Deformable, Hold, Law, Region, Scenario, SolidMaterial, SpringMaterial,
 };
+use super::alike::alike;
 use super::rigid::{groups, rule};
 use super::{Places, RunError, scheme, selected, substeps, surface, tets, vector};
 use crate::body::{BuildError, Material, Net, Node, Solid, SolidLaw, Spring, TetMesh};
@@ -30,7 +31,10 @@ pub(super) fn insert(
         source: Box::new(source),
     };
     let (builder, nodes): (_, Vec<Vector>) = match frame(&body.body, &body.name, cast)? {
-        Frame::Net(net) => {
+        Frame::Net(mut net) => {
+            if let (Some(springs), Some(mass)) = (&body.springs, body.mass) {
+                alike(&mut net, springs, mass as Real);
+            }
             let nodes = net.nodes.iter().map(|n| n.position).collect();
             (DeformableBuilder::new(net), nodes)
         }
@@ -87,7 +91,8 @@ fn dressed(mut builder: DeformableBuilder, body: &Deformable, places: Places) ->
     if let Some(region) = &body.pin {
         builder = builder.pin(holds(region));
     }
-    if let Some(mass) = body.mass {
+    // Springs that are alike have made masses of it already.
+    if let (Some(mass), None) = (body.mass, &body.springs) {
         builder = builder.total_mass(mass as Real);
     }
     if let Some(stiffness) = body.contact_stiffness {

@@ -1,12 +1,16 @@
 //! From a [`Scenario`] to worlds that can be stepped.
 
 mod acts;
+mod alike;
+mod ball;
 mod deformables;
 mod filter;
 mod joints;
 mod nodes;
 mod rigid;
 mod shapes;
+mod soft_bodies;
+mod terrain;
 
 use super::super::{Cast, Options, Run};
 use super::model::{Scenario, Scheme, Substepping};
@@ -136,6 +140,9 @@ fn build(scene: &Scenario) -> Result<Run, RunError> {
         let frame = frame.map_or(Pose::IDENTITY, |(_, pose)| *pose);
         rigid::insert(rigid, frame, &mut world, &mut cast)?;
     }
+    for body in &scene.soft_bodies {
+        soft_bodies::insert(body, &mut world);
+    }
     let joints = joints::insert(scene, &mut world, &cast);
     deformables::attach(scene, &mut deformables, &world, &mut cast)?;
     let hooks = filter::install(scene, &mut world, &mut deformables, &cast);
@@ -202,6 +209,11 @@ pub(super) fn surface(
     match mesh {
         Mesh::Hatchback => crate::import::hatchback().map_err(failed),
         Mesh::File(path) => crate::import::obj::load(path).map_err(failed),
+        Mesh::Ball {
+            radius,
+            around,
+            rings,
+        } => Ok(ball::ball(*radius as Real, *around as u32, *rings as u32)),
         Mesh::Points {
             vertices,
             triangles,

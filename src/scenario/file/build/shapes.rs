@@ -2,6 +2,7 @@
 
 use super::super::model::shape::Placed;
 use super::super::model::{Axis, Mesh, Shape};
+use super::terrain::terrain;
 use super::{RunError, surface, vector};
 use crate::math::{Real, Rotation, Vector};
 use rapier3d::geometry::SharedShape;
@@ -68,6 +69,12 @@ pub(super) fn shape(shape: &Shape, name: &str) -> Result<SharedShape, RunError> 
             made.map_err(|_| wrong("Rapier can't make a mesh of these triangles"))?
         }
         Shape::HeightField { heights, size } => field(heights, *size).map_err(wrong)?,
+        Shape::Terrain {
+            height,
+            size,
+            cell,
+            mesh,
+        } => terrain(height, *size, *cell, *mesh).map_err(wrong)?,
         Shape::Hull {
             points: list,
             border,

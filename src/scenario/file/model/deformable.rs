@@ -46,6 +46,8 @@ record! {
         body: Body;
         /// The material of its springs; of bodies with springs that have sections.
         material: Option<Made<SpringMaterial>> = None;
+        /// Its springs, all alike, instead of a material; its nodes share its mass by their volumes.
+        springs: Option<Alike> = None;
         /// The solid of its tets; of bodies of tets.
         solid: Option<Made<SolidMaterial>> = None;
         /// Other materials in parts of it; later ones win.
@@ -90,6 +92,16 @@ record! {
         integrator: Option<Scheme> = None;
     }
     then fits
+}
+
+record! {
+    /// Springs that are all alike, whatever their length and section.
+    pub struct Alike {
+        /// Stiffness \[N/m\].
+        stiffness: f64, POSITIVE;
+        /// Damping as a share of 2·√(k·m), m being the mass of the heaviest node.
+        damping_ratio: f64 = 0.0, NOT_NEGATIVE;
+    }
 }
 
 record! {
@@ -297,7 +309,13 @@ fn fits(body: &Deformable, node: &Node, d: &mut Decoder) -> Option<()> {
         None if !tets && body.solid.is_some() => {
             "bodies of springs have a `material` instead of a `solid`".into()
         }
-        None if !tets && !net && body.material.is_none() => {
+        None if body.springs.is_some() && (tets || net || body.material.is_some()) => {
+            "only bodies of springs by sections have `springs`, instead of a `material`".into()
+        }
+        None if body.springs.is_some() && body.mass.is_none() => {
+            "a body whose `springs` are alike needs a `mass`".into()
+        }
+        None if !tets && !net && body.material.is_none() && body.springs.is_none() => {
             "the springs of this body need a `material`".into()
         }
         None => return Some(()),

@@ -8,6 +8,7 @@ pub mod material;
 pub mod probe;
 pub mod rigid;
 pub mod shape;
+pub mod soft_body;
 pub mod world;
 
 use super::check::{BODY, FINITE, Length};
@@ -15,13 +16,14 @@ use super::decode::{Check, Decoder};
 use super::formula::Variables;
 use super::schema::{Entry, record};
 pub use actuator::{Act, Signal};
-pub use deformable::{Attachment, Body, Deformable, Hold, Region, Set};
+pub use deformable::{Alike, Attachment, Body, Deformable, Hold, Region, Set};
 pub use expect::{Expectation, Quantity};
 pub use joint::{Joint, JointKind, Motor};
 pub use material::{AnyMaterial, Law, SolidMaterial, SpringMaterial};
 pub use probe::{Axis, Channel, Class, Energy, Probe};
 pub use rigid::{Collider, Groups, Rigid, RigidKind, Rule};
 pub use shape::{Mesh, Shape};
+pub use soft_body::SoftBody;
 use std::collections::BTreeMap;
 pub use world::{Scheme, Stop, Substepping, World};
 
@@ -47,6 +49,8 @@ record! {
         joints: Vec<Joint> = Vec::new(), Length { from: 0, to: 100_000 };
         /// Deformable bodies.
         deformables: Vec<Deformable> = Vec::new(), Length { from: 0, to: 10_000 };
+        /// Soft bodies of Rapier's own, to compare with.
+        soft_bodies: Vec<SoftBody> = Vec::new(), Length { from: 0, to: 100 };
         /// What holds nodes of deformables to rigid bodies, to each other or to the world.
         attachments: Vec<Attachment> = Vec::new(), Length { from: 0, to: 10_000 };
         /// Nodes whose mean is followed.
@@ -100,10 +104,12 @@ pub fn reference() -> Vec<Entry> {
         deformable::NodeSpec::KEYS,
         deformable::SpringSpec::KEYS,
         deformable::Split::KEYS,
+        Alike::KEYS,
         deformable::Part::KEYS,
         SpringMaterial::KEYS,
         SolidMaterial::KEYS,
         Law::KEYS,
+        SoftBody::KEYS,
         Set::KEYS,
         Attachment::KEYS,
         Hold::KEYS,

@@ -15,9 +15,11 @@ record! {
         of: Channel;
         /// Factor on its values.
         scale: f64 = 1.0, FINITE;
-        /// Samples per second of a force or an acceleration \[Hz\]; others come as they are recorded.
-        rate: f64 = 10_000.0, RATE;
-        /// The filter of SAE J211, for forces and accelerations.
+        /// Samples per second \[Hz\]. Forces and accelerations are means over them, other values lie straight between those
+        /// that were recorded. Without it the former have 10 kHz and the others come as they are recorded.
+        rate: Option<f64> = None, RATE;
+        /// The filter of SAE J211. What is not a force or an acceleration must be recorded often enough for it, by `history`,
+        /// `energy` or `dt` of the world.
         cfc: Option<Class> = None;
     }
     then no_probe

@@ -2,6 +2,7 @@
 
 use super::super::check::{FINITE, Length, NOT_NEGATIVE, POSITIVE};
 use super::super::decode::{Decode, Decoder, variant};
+use super::super::formula::Formula;
 use super::super::schema::{Entry, choice};
 use super::super::tree::{Node, Value};
 use std::path::PathBuf;
@@ -88,6 +89,17 @@ choice! {
             /// Whole length along x, factor on heights, whole length along z.
             size: [f64; 3], POSITIVE;
         };
+        /// Ground over a rectangle about the origin whose height is a formula.
+        Terrain {
+            /// Height \[m\]: a formula of x and z.
+            height: Relief;
+            /// Its sides along x and z \[m\].
+            size: [f64; 2], POSITIVE;
+            /// Side of a cell \[m\].
+            cell: f64, POSITIVE;
+            /// Whether it is a mesh of the triangles that the height field has.
+            mesh: bool = false;
+        };
         /// The convex hull of points.
         Hull {
             /// The points \[m\].
@@ -109,6 +121,22 @@ choice! {
     }
 }
 
+/// The height of a ground: a formula of x and z.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Relief(pub Formula);
+
+impl Decode for Relief {
+    fn decode(node: &Node, d: &mut Decoder) -> Option<Self> {
+        d.formula_of(node, &["x", "z"]).map(Self)
+    }
+}
+
+impl serde::Serialize for Relief {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.0.text())
+    }
+}
+
 super::super::schema::record! {
     /// A part of a compound.
     pub struct Placed {
@@ -121,13 +149,22 @@ super::super::schema::record! {
     }
 }
 
-/// A surface: the car that comes with the crate, a file, or its own points and triangles.
+/// A surface: the car that comes with the crate, a file, a ball, or its own points and triangles.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub enum Mesh {
     /// The hatchback of the crash scenes: x forward, y up, tyres down to y = 0.
     Hatchback,
     /// A Wavefront OBJ file, relative to the scene's own.
     File(PathBuf),
+    /// A ball of rings of quads.
+    Ball {
+        /// Its radius \[m\].
+        radius: f64,
+        /// Quads in a ring; a multiple of 4.
+        around: usize,
+        /// Rings; even.
+        rings: usize,
+    },
     /// Points and triangles.
     Points {
         /// Vertices \[m\].
@@ -152,6 +189,30 @@ mod explicit {
         then indices
     }
 
+    super::super::super::schema::record! {
+        /// A ball of rings of quads, its quarters by turns in a colour of their own.
+        pub struct Ball {
+            /// Its radius \[m\].
+            radius: f64, POSITIVE;
+            /// Quads in a ring; a multiple of 4.
+            around: usize = 24;
+            /// Rings; even.
+            rings: usize = 12;
+        }
+        then quarters
+    }
+
+    fn quarters(ball: &Ball, node: &Node, d: &mut Decoder) -> Option<()> {
+        let fits = |n: usize, of: usize| n.is_multiple_of(of) && (of..=512).contains(&n);
+        if fits(ball.around, 4) && fits(ball.rings, 2) {
+            return Some(());
+        }
+        d.wrong(node.at, |_| {
+            "`around` must be a multiple of 4 and `rings` even, both at most 512".into()
+        });
+        None
+    }
+
     fn indices(points: &Points, node: &Node, d: &mut Decoder) -> Option<()> {
         let count = points.vertices.len();
         let mut all = points.triangles.iter().flatten();
@@ -170,6 +231,14 @@ impl Decode for Mesh {
         match variant(node) {
             Some(("Hatchback", None)) => return Some(Self::Hatchback),
             Some(("File" | "Points", Some(inner))) => return Self::decode(inner, d),
+            Some(("Ball", Some(inner))) => {
+                let ball = explicit::Ball::decode(inner, d)?;
+                return Some(Self::Ball {
+                    radius: ball.radius,
+                    around: ball.around,
+                    rings: ball.rings,
+                });
+            }
             _ => {}
         }
         match &node.value {
@@ -183,7 +252,7 @@ impl Decode for Mesh {
             }
             _ => d.expected(
                 node,
-                "Hatchback, the path of an OBJ file in quotes, or (vertices: […], triangles: […])",
+                "Hatchback, the path of an OBJ file in quotes, Ball(radius: …), or (vertices: […], triangles: […])",
             ),
         }
     }
@@ -217,7 +286,7 @@ impl Mesh {
             key: "",
             kind: "choice",
             default: "",
-            doc: "A surface: `Hatchback`, the path of an OBJ file in quotes, or its own points and triangles.",
+            doc: "A surface: `Hatchback`, the path of an OBJ file in quotes, `Ball(radius: …)`, or its own points and triangles.",
         },
         Entry {
             owner: "Mesh",
@@ -227,5 +296,9 @@ impl Mesh {
             owner: "Mesh",
             ..explicit::Points::KEYS[2]
         },
+        explicit::Ball::KEYS[0],
+        explicit::Ball::KEYS[1],
+        explicit::Ball::KEYS[2],
+        explicit::Ball::KEYS[3],
     ];
 }

@@ -155,9 +155,22 @@ impl ScenarioRun {
             channel: probe.name.clone(),
             source,
         };
-        let mut series = self.measure(&probe.of, probe.rate).map_err(signal)?;
-        if let (Some(cfc), Some(dt)) = (&probe.cfc, series.bins) {
-            let filtered = class(cfc).filter(dt, &series.values);
+        let rate = probe.rate.unwrap_or(RATE);
+        let mut series = self.measure(&probe.of, rate).map_err(signal)?;
+        let cfc = probe.cfc.as_ref().map(class);
+        let mut dt = series.bins;
+        if let (None, Some(recorded)) = (dt, series.interval())
+            && (probe.rate.is_some() || cfc.is_some())
+        {
+            if let Some(cfc) = cfc {
+                cfc.coefficients(recorded).map_err(|e| signal(e.into()))?;
+            }
+            let wanted = probe.rate.map_or(recorded, |rate| 1.0 / rate);
+            series = series.spaced(wanted).map_err(|e| signal(e.into()))?;
+            dt = Some(wanted);
+        }
+        if let (Some(cfc), Some(dt)) = (cfc, dt) {
+            let filtered = cfc.filter(dt, &series.values);
             series.values = filtered.map_err(|e| signal(e.into()))?;
         }
         for value in &mut series.values {

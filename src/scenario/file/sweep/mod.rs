@@ -15,6 +15,7 @@ pub use merge::{Merged, merge};
 
 use super::{LoadError, LoadOptions, Scenario};
 use serde_json::{Map, Value, json};
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -30,6 +31,8 @@ pub struct Sweep<'a> {
     pub axes: Vec<SweepAxis>,
     /// How many run at once.
     pub jobs: usize,
+    /// Which variants are run, by their numbers from 0; all without it.
+    pub only: Option<Range<usize>>,
 }
 
 impl Sweep<'_> {
@@ -43,10 +46,15 @@ impl Sweep<'_> {
         out: &Path,
         progress: impl Fn(usize, usize) + Sync,
     ) -> Result<(), SweepError> {
-        let variants = variants(&self.axes)?;
-        let total = variants.len();
+        let mut variants = variants(&self.axes)?;
         let base = (self.load)(&self.of(&variants[0]))?;
         let log = Log::open(out, &self.identity(&base))?;
+        variants.retain(|v| {
+            self.only
+                .as_ref()
+                .is_none_or(|only| only.contains(&v.index))
+        });
+        let total = variants.len();
         let missing: Vec<&Variant> = variants.iter().filter(|v| !log.has(v.index)).collect();
         let done = AtomicUsize::new(total - missing.len());
         progress(done.load(Ordering::Relaxed), total);
@@ -64,7 +72,7 @@ impl Sweep<'_> {
             Ok(())
         };
         std::thread::scope(|scope| {
-            let jobs = self.jobs.clamp(1, total);
+            let jobs = self.jobs.clamp(1, total.max(1));
             let workers: Vec<_> = (0..jobs).map(|_| scope.spawn(work)).collect();
             for worker in workers {
                 worker.join().unwrap_or(Err(SweepError::Worker))?;

@@ -1,0 +1,70 @@
+//! Candidates as a snapshot has them: what is remembered of a pair, without the shape, which Rapier's colliders have.
+
+use super::Candidates;
+use crate::contact::feature;
+use crate::contact::nodes::Nodes;
+use crate::contact::target::{Frame, Target};
+use rapier3d::geometry::SharedShape;
+
+/// What is remembered of a body near a target.
+#[derive(serde::Serialize, serde::Deserialize)]
+pub struct Saved {
+    /// What tells the target's shape from another.
+    shape: u64,
+    nodes: Nodes,
+    features: Option<feature::Saved>,
+    frame: Option<Frame>,
+    way: f64,
+    edits: u64,
+}
+
+impl Candidates {
+    /// What is to be saved; `None` for a shape that Rapier can't save.
+    pub fn save(&self) -> Option<Saved> {
+        Some(Saved {
+            shape: fingerprint(&self.target.shape)?,
+            nodes: self.nodes.clone(),
+            features: self.features.as_ref().map(|f| f.save()),
+            frame: self.frame,
+            way: self.way,
+            edits: self.edits,
+        })
+    }
+
+    /// What was saved of a body of this spacing \[m\]; `None` where the target has got another shape.
+    pub fn restore(saved: Saved, target: Target, spacing: f64) -> Option<Self> {
+        if fingerprint(&target.shape) != Some(saved.shape) {
+            return None;
+        }
+        let mut candidates = Self::new(target, 0, spacing);
+        match (&mut candidates.features, saved.features) {
+            (Some(features), Some(saved)) => features.restore(saved)?,
+            (None, None) => {}
+            _ => return None,
+        }
+        Some(Self {
+            nodes: saved.nodes,
+            frame: saved.frame,
+            way: saved.way,
+            edits: saved.edits,
+            ..candidates
+        })
+    }
+}
+
+/// FNV-1a.
+struct Fnv(u64);
+
+impl Extend<u8> for Fnv {
+    fn extend<T: IntoIterator<Item = u8>>(&mut self, bytes: T) {
+        for byte in bytes {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+        }
+    }
+}
+
+/// Hash of a shape as it is saved.
+fn fingerprint(shape: &SharedShape) -> Option<u64> {
+    let hash = postcard::to_extend(shape, Fnv(0xcbf2_9ce4_8422_2325));
+    hash.ok().map(|hash| hash.0)
+}

@@ -1,0 +1,207 @@
+//! A deformable as it is saved: blueprint, state and settings. Tables, topology and elements follow from these, so a
+//! snapshot does not depend on how a kernel lays them out.
+
+use crate::body::{Blueprint, BuildError, State, Topology};
+use crate::contact::encounter::outline::Outline;
+use crate::contact::target::Surface;
+use crate::math::{DVec3, Real, Vector};
+use crate::solve::external::External;
+use crate::solve::fem::{Model, Part};
+use crate::solve::forces::Force;
+use crate::solve::work::Work;
+use crate::solve::{Integrator, Solver};
+use crate::world::islands::Sleep;
+use crate::world::{Deformable, DeformableParameters, Substeps};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::sync::Arc;
+
+#[derive(Serialize, Deserialize)]
+struct Saved {
+    blueprint: Blueprint,
+    state: State<Real>,
+    external: External<Real>,
+    work: Work,
+    time: f64,
+    forces: Vec<Force<Real>>,
+    applied: Vec<[Real; 3]>,
+    speed_squared: Real,
+    surface: Surface,
+    /// Whether it has met another deformable.
+    met: bool,
+    gravity_scale: Real,
+    integrator: Option<Integrator>,
+    substeps: Option<Substeps>,
+    defaults: DeformableParameters,
+    enabled: bool,
+    frozen: bool,
+    sleep: Sleep,
+    node_forces: Vec<(Vector, Vector)>,
+    led: Vec<(u32, DVec3)>,
+    datum: DVec3,
+    moved_out: Vec<(u32, DVec3, DVec3)>,
+    edits: u64,
+    moved: f64,
+    shifted: f64,
+    h: f64,
+    links: f64,
+    /// Low and high half: not every format has 128 bits.
+    user_data: [u64; 2],
+}
+
+/// Blueprint, state and settings; a force field is left out.
+impl Serialize for Deformable {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Saved::of(self).serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Deformable {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let saved = Saved::deserialize(deserializer)?;
+        if let Some(what) = saved.mismatch() {
+            return Err(D::Error::custom(format_args!(
+                "a deformable with {what} it does not have"
+            )));
+        }
+        saved.restore().map_err(D::Error::custom)
+    }
+}
+
+impl Saved {
+    fn of(body: &Deformable) -> Self {
+        let solver = &body.solver;
+        Self {
+            blueprint: body.blueprint.clone(),
+            state: body.state.clone(),
+            external: solver.external.clone(),
+            work: solver.work,
+            time: solver.time,
+            forces: solver.forces.clone(),
+            applied: solver.applied.clone(),
+            speed_squared: solver.speed_squared,
+            surface: body.surface,
+            met: body.outline.is_some(),
+            gravity_scale: body.gravity_scale,
+            integrator: body.integrator,
+            substeps: body.substeps,
+            defaults: body.defaults,
+            enabled: body.enabled,
+            frozen: body.frozen,
+            sleep: body.sleep,
+            node_forces: body.node_forces.clone(),
+            led: body.led.clone(),
+            datum: body.datum,
+            moved_out: body.moved_out.clone(),
+            edits: body.edits,
+            moved: body.moved,
+            shifted: body.shifted,
+            h: body.h,
+            links: body.links,
+            user_data: [body.user_data as u64, (body.user_data >> 64) as u64],
+        }
+    }
+
+    /// What does not fit together: lists of other lengths than they must have, indices of what there is not.
+    fn mismatch(&self) -> Option<&'static str> {
+        let (blueprint, state) = (&self.blueprint, &self.state);
+        let (nodes, springs) = (blueprint.nodes.len(), blueprint.springs.len());
+        let known = |n: &u32| (*n as usize) < nodes;
+        let none_or = |length: usize, count: usize| length == 0 || length == count;
+        let skin = blueprint.skin.iter().all(|skin| {
+            let mut corners = skin.triangles.iter().flatten();
+            let mut nodes = skin.bindings.iter().flat_map(|b| &b.nodes);
+            corners.all(|v| (*v as usize) < skin.bindings.len()) && nodes.all(known)
+        });
+        let checks = [
+            (
+                state.particles.len() == nodes && state.low.len() == nodes,
+                "nodes",
+            ),
+            (
+                [state.rest.len(), state.flow.len(), state.broken.len()] == [springs; 3],
+                "springs",
+            ),
+            (
+                blueprint.springs.iter().all(|s| s.nodes.iter().all(known)),
+                "ends of springs",
+            ),
+            (
+                blueprint.faces.iter().flatten().all(known),
+                "corners of faces",
+            ),
+            (skin, "corners of its skin"),
+            (self.forces.len() == nodes + 1, "forces"),
+            (
+                none_or(self.applied.len(), nodes)
+                    && none_or(self.node_forces.len(), nodes)
+                    && none_or(self.external.node_forces.len(), nodes),
+                "forces on nodes",
+            ),
+            (
+                self.led.iter().all(|(n, _)| known(n))
+                    && self.moved_out.iter().all(|(n, ..)| known(n)),
+                "nodes that are led",
+            ),
+            (
+                blueprint
+                    .solid
+                    .iter()
+                    .all(|s| s.mesh.nodes.len() == nodes && s.mesh.check().is_ok()),
+                "tets",
+            ),
+        ];
+        let bad = checks.into_iter().find(|(fits, _)| !fits);
+        bad.map(|(_, what)| what)
+    }
+
+    fn restore(self) -> Result<Deformable, BuildError> {
+        let (blueprint, state) = (self.blueprint, self.state);
+        let mut solver = Solver::new(&blueprint.springs, &state);
+        if let Some(solid) = &blueprint.solid {
+            let masses: Vec<f64> = blueprint.nodes.iter().map(|n| n.mass.into()).collect();
+            let model = Arc::new(Model::new(&solid.mesh, solid.solid)?);
+            solver = solver.with_elements(Part::new(model, &masses));
+        }
+        let solver = Solver {
+            kernel: self.defaults.kernel,
+            external: self.external,
+            work: self.work,
+            time: self.time,
+            forces: self.forces,
+            applied: self.applied,
+            speed_squared: self.speed_squared,
+            ..solver
+        };
+        Ok(Deformable {
+            slots: vec![u32::MAX; state.particles.len()],
+            backup: state.clone(),
+            topology: Arc::new(Topology::of(&blueprint)),
+            outline: self.met.then(|| Box::new(Outline::new(&blueprint))),
+            blueprint,
+            state,
+            solver,
+            surface: self.surface,
+            gravity_scale: self.gravity_scale,
+            integrator: self.integrator,
+            substeps: self.substeps,
+            defaults: self.defaults,
+            enabled: self.enabled,
+            frozen: self.frozen,
+            sleep: self.sleep,
+            node_forces: self.node_forces,
+            led: self.led,
+            datum: self.datum,
+            moved_out: self.moved_out,
+            edits: self.edits,
+            moved: self.moved,
+            shifted: self.shifted,
+            work_backup: self.work,
+            h: self.h,
+            links: self.links,
+            links_backup: self.links,
+            user_data: u128::from(self.user_data[0]) | u128::from(self.user_data[1]) << 64,
+            ..Deformable::default()
+        })
+    }
+}
