@@ -43,7 +43,7 @@ pub enum Kernel {
     /// The widest that the processor has.
     #[default]
     Auto,
-    /// Four numbers at a time, which every processor of 64 bits has.
+    /// Springs one by one, nodes and tets four numbers at a time: what every processor has.
     Portable,
     /// Eight at a time with AVX2, or what the processor has of it.
     Avx2,
@@ -57,11 +57,11 @@ impl Kernel {
     /// ```
     /// use crumple::solve::Kernel;
     /// println!("kernel: {}", Kernel::Auto.name());
-    /// assert_eq!(Kernel::Portable.name(), "portable ×4");
+    /// assert_eq!(Kernel::Portable.name(), "portable");
     /// ```
     pub fn name(self) -> &'static str {
         match Width::of(self) {
-            Width::Portable => "portable ×4",
+            Width::Portable => "portable",
             Width::Avx2 => "AVX2 ×8",
             Width::Avx512 => "AVX-512 ×16",
         }

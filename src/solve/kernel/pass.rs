@@ -3,13 +3,14 @@
 use super::Kernel;
 use super::limits::Limited;
 use super::sell::{LEAST_SQUARE, Range};
-use super::vector::{Half, LANES, Pass, Reader, Slot, Vector, Wide, Writer, run};
+use super::vector::{Half, LANES, Pass, Reader, Slot, Vector, Wide, Width, Writer, run};
 use crate::body::state::{Particle, State};
 use crate::law::spring;
 use crate::solve::forces::{Force, Happened, LimitEvent};
 use crate::solve::springs::{Rows, SpringTable};
 
-/// Writes the force of all springs, and of drag D \[N·s/m\], on every node. `None` where there is no table to do it by.
+/// Writes the force of all springs, and of drag D \[N·s/m\], on every node. `None` where the scalar pass is to do it: it is
+/// faster than four lanes, and some bodies have no table.
 pub(crate) fn spring_forces(
     kernel: Kernel,
     table: &mut SpringTable<f32>,
@@ -18,6 +19,10 @@ pub(crate) fn spring_forces(
     events: &mut Vec<LimitEvent<f32>>,
     (commit, drag): (Option<f32>, f32),
 ) -> Option<Happened> {
+    if Width::of(kernel) == Width::Portable {
+        table.drop_rows();
+        return None;
+    }
     let old_events = events.len();
     table.make_rows(state);
     let Rows::Made(sell) = &mut table.rows else {
