@@ -4,11 +4,9 @@
 //! with the sheet out of their way, the lowest node ever, milliseconds per frame of 1/60 s. Rapier's cloth has its default
 //! material, which is not in N/m: what is compared is who holds the boxes and at what cost, not the sag.
 
-mod clock;
-
-use clock::Clock;
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
+use crumple::scenario::speed::clock::Clock;
 use crumple::scenario::trampoline::{BOX_MASS, HALF, SIDE, net, places};
 
 const NODES: usize = 30;

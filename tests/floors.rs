@@ -51,6 +51,7 @@ const UNSAFE: &[&str] = &[
     "solve/kernel/vector.rs",
     "solve/kernel/vector/pack.rs",
     "solve/kernel/vector/rows.rs",
+    "solve/kernel/vector/runs.rs",
     "solve/kernel/vector/x86.rs",
     "solve/kernel/vector/x86/eight.rs",
     "solve/kernel/vector/x86/sixteen.rs",

@@ -6,20 +6,30 @@
 //! less than the price of scattering. Differences change sign exactly in floating point, and everything else of a spring is
 //! even in them, so both ends find the same tension to the last bit.
 //!
+//! Where nodes follow each other in memory as they do in the body, their neighbours do so too: then nodes are copied column by
+//! column first, and neighbours are read from there without indices (`regular.rs`), in the same order of sums.
+//!
 //! **Every width gives the same bits**, and those of the scalar pass ([`super::forces`]): a row sums its springs in their order,
 //! products are not fused with sums, and square roots and quotients are exact. So [`Kernel`] is a matter of speed alone.
 
 mod integrate;
 mod limits;
+mod mirror;
 mod order;
 mod pass;
+mod ranges;
+mod rates;
+mod regular;
+pub mod roof;
 mod sell;
+mod table;
 #[cfg(test)]
 mod tests;
 mod vector;
 
 pub(crate) use integrate::{Totals, symplectic_euler};
 pub(crate) use pass::spring_forces;
+pub(crate) use rates::rates;
 pub(crate) use sell::Sell;
 pub(crate) use vector::{Half, Pass, Places, Vector, put_four, run};
 
@@ -45,7 +55,7 @@ pub enum Kernel {
     Auto,
     /// Springs one by one, nodes and tets four numbers at a time: what every processor has.
     Portable,
-    /// Eight at a time with AVX2, or what the processor has of it.
+    /// Eight at a time with AVX2 (and FMA, which only processors with AVX2 have), or what the processor has of it.
     Avx2,
     /// Sixteen at a time with AVX-512, or what the processor has of it.
     Avx512,

@@ -12,6 +12,7 @@
 
 mod pack;
 mod rows;
+mod runs;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
@@ -20,6 +21,7 @@ use crate::math::{Pack, Packed};
 
 pub use crate::math::{LANES, Wide};
 pub use rows::{Half, Places, Reader, Slot, Writer, columns, columns_of_four, put, put_four};
+pub use runs::{Columns, Run, Runs, Starts, Three};
 
 /// One, four, eight or sixteen `f32`.
 pub trait Vector: Packed<f32> {
@@ -27,6 +29,12 @@ pub trait Vector: Packed<f32> {
     fn at_least(self, least: f32) -> Self;
     /// One bit for each lane that is above the other's; not where one is NaN.
     fn bits_above(self, other: Self) -> u32;
+    /// The product with a factor and a sum, fused where the processor can: for roofs, not for results.
+    fn multiply_and_add(self, factor: Self, more: Self) -> Self;
+    /// The first numbers of a slice, which must have so many.
+    fn load_from(from: &[f32]) -> Self;
+    /// Writes to the first places of a slice, which must have so many.
+    fn store_to(self, to: &mut [f32]);
     /// The four columns of as many rows of four numbers as there are lanes.
     ///
     /// # Safety
@@ -40,6 +48,48 @@ pub trait Vector: Packed<f32> {
     /// # Safety
     /// Each pointer must be good for writing four numbers.
     unsafe fn put_columns(columns: [Self; 4], row: impl Fn(usize) -> *mut f32);
+    /// The four columns of as many rows of four numbers as there are lanes, one behind the other.
+    ///
+    /// # Safety
+    /// The pointer must be good for reading them.
+    #[inline(always)]
+    unsafe fn columns_of_four(rows: *const f32) -> [Self; 4] {
+        // SAFETY: the caller's.
+        unsafe { Self::columns(|l| rows.add(4 * l)) }
+    }
+    /// Writes columns as such rows.
+    ///
+    /// # Safety
+    /// The pointer must be good for writing them.
+    #[inline(always)]
+    unsafe fn put_four(columns: [Self; 4], rows: *mut f32) {
+        // SAFETY: the caller's.
+        unsafe { Self::put_columns(columns, |l| rows.add(4 * l)) }
+    }
+    /// The eight columns of as many rows of eight numbers as there are lanes, one behind the other.
+    ///
+    /// # Safety
+    /// The pointer must be good for reading them.
+    #[inline(always)]
+    unsafe fn columns_of_eight(rows: *const f32) -> [[Self; 4]; 2] {
+        // SAFETY: the caller's.
+        unsafe {
+            let first = Self::columns(|l| rows.add(8 * l));
+            [first, Self::columns(|l| rows.add(8 * l + 4))]
+        }
+    }
+    /// Writes columns as such rows.
+    ///
+    /// # Safety
+    /// The pointer must be good for writing them.
+    #[inline(always)]
+    unsafe fn put_eight([first, second]: [[Self; 4]; 2], rows: *mut f32) {
+        // SAFETY: the caller's.
+        unsafe {
+            Self::put_columns(first, |l| rows.add(8 * l));
+            Self::put_columns(second, |l| rows.add(8 * l + 4));
+        }
+    }
 }
 
 /// Something computed by vectors of any width. `run` is to be `#[inline(always)]`, and so is all it calls for each vector:
@@ -64,7 +114,7 @@ pub trait Aside<V> {
 pub enum Width {
     /// Nothing that every processor does not have.
     Portable,
-    /// Eight lanes: AVX2.
+    /// Eight lanes: AVX2 and FMA.
     Avx2,
     /// Sixteen lanes: AVX-512.
     Avx512,
@@ -85,7 +135,7 @@ impl Width {
     fn widest() -> Self {
         if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
             Self::Avx512
-        } else if is_x86_feature_detected!("avx2") {
+        } else if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
             Self::Avx2
         } else {
             Self::Portable

@@ -9,6 +9,21 @@ impl Vector for Pack<f32> {
         self.max(Self::of(least.into()))
     }
 
+    #[inline(always)]
+    fn multiply_and_add(self, factor: Self, more: Self) -> Self {
+        self * factor + more
+    }
+
+    #[inline(always)]
+    fn load_from(from: &[f32]) -> Self {
+        Self([from[0], from[1], from[2], from[3]])
+    }
+
+    #[inline(always)]
+    fn store_to(self, to: &mut [f32]) {
+        to[..4].copy_from_slice(&self.0);
+    }
+
     #[inline(never)]
     fn aside<A: Aside<Self>>(aside: A) -> A::Output {
         aside.run()

@@ -4,6 +4,7 @@ use super::{LANES, Vector};
 use crate::body::state::Particle;
 use crate::solve::forces::Force;
 use crate::solve::springs::Limit;
+use crate::solve::stable::Rates;
 use std::ops::Range;
 
 /// Eight numbers in 32 aligned bytes, read as two rows of four.
@@ -23,6 +24,7 @@ macro_rules! row {
 row!(Particle<f32>);
 row!(Force<f32>);
 row!(Limit<f32>);
+row!(Rates<f32>);
 
 /// Which four numbers of a row.
 #[derive(Clone, Copy)]
@@ -146,12 +148,6 @@ impl<R: Row> Slot<'_, R> {
             })
         }
     }
-
-    /// Which row is in a lane.
-    #[inline(always)]
-    pub fn row(&self, lane: usize) -> usize {
-        (self.offsets.0[lane] / BYTES) as usize
-    }
 }
 
 /// Rows to write by [`Places`] that are all inside.
@@ -161,6 +157,12 @@ pub struct Writer<'a, R> {
 }
 
 impl<R: Row> Writer<'_, R> {
+    /// Sixteen rows that lie together, from one on; `None` where there are fewer.
+    #[inline(always)]
+    pub fn together(&mut self, first: usize) -> Option<&mut [R; LANES]> {
+        self.rows.get_mut(first..)?.first_chunk_mut()
+    }
+
     /// Writes half of the rows of a part of a slot. Where two lanes have one row the last counts.
     #[inline(always)]
     pub fn put<V: Vector>(&mut self, slot: usize, part: usize, half: Half, columns: [V; 4]) {
@@ -177,20 +179,20 @@ impl<R: Row> Writer<'_, R> {
     }
 }
 
-/// Half of a part of sixteen rows that lie together, column by column.
+/// Both halves of a part of sixteen rows that lie together, column by column.
 #[inline(always)]
-pub fn columns<V: Vector, R: Row>(rows: &[R; LANES], part: usize, half: Half) -> [V; 4] {
+pub fn columns<V: Vector, R: Row>(rows: &[R; LANES], part: usize) -> [[V; 4]; 2] {
     let rows = &rows[part * V::LANES..][..V::LANES];
-    // SAFETY: there is a row for each lane; half of it is four numbers (`Row`).
-    unsafe { V::columns(|l| rows.as_ptr().add(l).cast::<f32>().add(half as usize)) }
+    // SAFETY: there is a row for each lane, and each is eight numbers (`Row`).
+    unsafe { V::columns_of_eight(rows.as_ptr().cast()) }
 }
 
-/// Writes half of a part of sixteen rows that lie together.
+/// Writes both halves of a part of sixteen rows that lie together.
 #[inline(always)]
-pub fn put<V: Vector, R: Row>(rows: &mut [R; LANES], part: usize, half: Half, columns: [V; 4]) {
-    let rows = rows[part * V::LANES..][..V::LANES].as_mut_ptr();
+pub fn put<V: Vector, R: Row>(rows: &mut [R; LANES], part: usize, columns: [[V; 4]; 2]) {
+    let rows = &mut rows[part * V::LANES..][..V::LANES];
     // SAFETY: as in `columns`, borrowed for writing.
-    unsafe { V::put_columns(columns, |l| rows.add(l).cast::<f32>().add(half as usize)) }
+    unsafe { V::put_eight(columns, rows.as_mut_ptr().cast()) }
 }
 
 /// Part of sixteen times four numbers that lie together, column by column.
@@ -198,13 +200,13 @@ pub fn put<V: Vector, R: Row>(rows: &mut [R; LANES], part: usize, half: Half, co
 pub fn columns_of_four<V: Vector>(rows: &[[f32; 4]; LANES], part: usize) -> [V; 4] {
     let rows = &rows[part * V::LANES..][..V::LANES];
     // SAFETY: there are four numbers for each lane.
-    unsafe { V::columns(|l| rows.as_ptr().add(l).cast::<f32>()) }
+    unsafe { V::columns_of_four(rows.as_ptr().cast()) }
 }
 
 /// Writes part of sixteen times four numbers that lie together.
 #[inline(always)]
 pub fn put_four<V: Vector>(rows: &mut [[f32; 4]; LANES], part: usize, columns: [V; 4]) {
-    let rows = rows[part * V::LANES..][..V::LANES].as_mut_ptr();
+    let rows = &mut rows[part * V::LANES..][..V::LANES];
     // SAFETY: as in `columns_of_four`, borrowed for writing.
-    unsafe { V::put_columns(columns, |l| rows.add(l).cast::<f32>()) }
+    unsafe { V::put_four(columns, rows.as_mut_ptr().cast()) }
 }

@@ -1,7 +1,7 @@
 //! Vectors of eight and sixteen numbers by the intrinsics of x86-64.
 //!
 //! SAFETY of every block here that calls intrinsics: the types are private to the parent module, and `run` makes them a type
-//! parameter only once the processor has said that it has AVX2, or AVX-512 F and DQ; see there.
+//! parameter only once the processor has said that it has AVX2 and FMA, or AVX-512 F and DQ; see there.
 
 macro_rules! operator {
     ($t:ty, $trait:ident, $name:ident, $intrinsic:ident) => {

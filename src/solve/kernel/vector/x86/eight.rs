@@ -6,12 +6,12 @@ use std::arch::x86_64::*;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 /// Runs a pass with [`F8`].
-#[target_feature(enable = "avx2")]
+#[target_feature(enable = "avx2,fma")]
 pub fn run256<P: Pass>(pass: P) -> P::Output {
     pass.run::<F8>()
 }
 
-#[target_feature(enable = "avx2")]
+#[target_feature(enable = "avx2,fma")]
 #[inline(never)]
 fn aside256<A: Aside<F8>>(aside: A) -> A::Output {
     aside.run()
@@ -103,6 +103,26 @@ impl Vector for F8 {
     #[inline(always)]
     fn bits_above(self, other: Self) -> u32 {
         self.bits(other)
+    }
+
+    #[inline(always)]
+    fn load_from(from: &[f32]) -> Self {
+        let lanes = &from[..8];
+        // SAFETY: as in `load`.
+        Self(unsafe { _mm256_loadu_ps(lanes.as_ptr()) })
+    }
+
+    #[inline(always)]
+    fn store_to(self, to: &mut [f32]) {
+        let lanes = &mut to[..8];
+        // SAFETY: as in `load`.
+        unsafe { _mm256_storeu_ps(lanes.as_mut_ptr(), self.0) }
+    }
+
+    #[inline(always)]
+    fn multiply_and_add(self, factor: Self, more: Self) -> Self {
+        // SAFETY: see the top.
+        Self(unsafe { _mm256_fmadd_ps(self.0, factor.0, more.0) })
     }
 
     #[inline(always)]

@@ -106,6 +106,26 @@ impl Vector for F16 {
     }
 
     #[inline(always)]
+    fn load_from(from: &[f32]) -> Self {
+        let lanes = &from[..16];
+        // SAFETY: as in `load`.
+        Self(unsafe { _mm512_loadu_ps(lanes.as_ptr()) })
+    }
+
+    #[inline(always)]
+    fn store_to(self, to: &mut [f32]) {
+        let lanes = &mut to[..16];
+        // SAFETY: as in `load`.
+        unsafe { _mm512_storeu_ps(lanes.as_mut_ptr(), self.0) }
+    }
+
+    #[inline(always)]
+    fn multiply_and_add(self, factor: Self, more: Self) -> Self {
+        // SAFETY: see the top.
+        Self(unsafe { _mm512_fmadd_ps(self.0, factor.0, more.0) })
+    }
+
+    #[inline(always)]
     fn at_least(self, least: f32) -> Self {
         // SAFETY: see the top.
         Self(unsafe { _mm512_max_ps(self.0, _mm512_set1_ps(least)) })
@@ -149,5 +169,173 @@ impl Vector for F16 {
                 _mm_storeu_ps(row(l + 12), _mm512_extractf32x4_ps::<3>(four));
             }
         }
+    }
+
+    #[inline(always)]
+    unsafe fn columns_of_four(rows: *const f32) -> [Self; 4] {
+        // SAFETY: the caller vouches for 64 numbers; see also the top.
+        unsafe {
+            let (a, b) = (_mm512_loadu_ps(rows), _mm512_loadu_ps(rows.add(16)));
+            let (c, d) = (_mm512_loadu_ps(rows.add(32)), _mm512_loadu_ps(rows.add(48)));
+            // Of eight rows each, the first two columns and the last two.
+            let (first, last) = (eighths(0), eighths(2));
+            let (xy, zw) = (
+                _mm512_permutex2var_ps(a, first, b),
+                _mm512_permutex2var_ps(a, last, b),
+            );
+            let (xy_behind, zw_behind) = (
+                _mm512_permutex2var_ps(c, first, d),
+                _mm512_permutex2var_ps(c, last, d),
+            );
+            [
+                Self(_mm512_shuffle_f32x4::<0x44>(xy, xy_behind)),
+                Self(_mm512_shuffle_f32x4::<0xee>(xy, xy_behind)),
+                Self(_mm512_shuffle_f32x4::<0x44>(zw, zw_behind)),
+                Self(_mm512_shuffle_f32x4::<0xee>(zw, zw_behind)),
+            ]
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn put_four([x, y, z, w]: [Self; 4], rows: *mut f32) {
+        // SAFETY: as in `columns_of_four`.
+        unsafe {
+            let xy = _mm512_shuffle_f32x4::<0x44>(x.0, y.0);
+            let xy_behind = _mm512_shuffle_f32x4::<0xee>(x.0, y.0);
+            let zw = _mm512_shuffle_f32x4::<0x44>(z.0, w.0);
+            let zw_behind = _mm512_shuffle_f32x4::<0xee>(z.0, w.0);
+            let (first, last) = (every_eighth(0), every_eighth(4));
+            _mm512_storeu_ps(rows, _mm512_permutex2var_ps(xy, first, zw));
+            _mm512_storeu_ps(rows.add(16), _mm512_permutex2var_ps(xy, last, zw));
+            let (xy, zw) = (xy_behind, zw_behind);
+            _mm512_storeu_ps(rows.add(32), _mm512_permutex2var_ps(xy, first, zw));
+            _mm512_storeu_ps(rows.add(48), _mm512_permutex2var_ps(xy, last, zw));
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn columns_of_eight(rows: *const f32) -> [[Self; 4]; 2] {
+        let (first, last) = (every_eighth(0), every_eighth(4));
+        // SAFETY: the caller vouches for 128 numbers; see also the top.
+        unsafe {
+            let (a, b) = (_mm512_loadu_ps(rows), _mm512_loadu_ps(rows.add(16)));
+            let (c, d) = (_mm512_loadu_ps(rows.add(32)), _mm512_loadu_ps(rows.add(48)));
+            let (e, f) = (_mm512_loadu_ps(rows.add(64)), _mm512_loadu_ps(rows.add(80)));
+            let (g, h) = (
+                _mm512_loadu_ps(rows.add(96)),
+                _mm512_loadu_ps(rows.add(112)),
+            );
+            // Of four rows each, the columns of a half.
+            [
+                four_by_four([
+                    _mm512_permutex2var_ps(a, first, b),
+                    _mm512_permutex2var_ps(c, first, d),
+                    _mm512_permutex2var_ps(e, first, f),
+                    _mm512_permutex2var_ps(g, first, h),
+                ])
+                .map(Self),
+                four_by_four([
+                    _mm512_permutex2var_ps(a, last, b),
+                    _mm512_permutex2var_ps(c, last, d),
+                    _mm512_permutex2var_ps(e, last, f),
+                    _mm512_permutex2var_ps(g, last, h),
+                ])
+                .map(Self),
+            ]
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn put_eight([[x, y, z, w], [s, t, u, v]]: [[Self; 4]; 2], rows: *mut f32) {
+        let (first, last) = (eighths(0), eighths(2));
+        // SAFETY: as in `columns_of_eight`.
+        unsafe {
+            let [a, b, c, d] = four_by_four([x.0, y.0, z.0, w.0]);
+            let [e, f, g, h] = four_by_four([s.0, t.0, u.0, v.0]);
+            _mm512_storeu_ps(rows, _mm512_permutex2var_ps(a, first, e));
+            _mm512_storeu_ps(rows.add(16), _mm512_permutex2var_ps(a, last, e));
+            _mm512_storeu_ps(rows.add(32), _mm512_permutex2var_ps(b, first, f));
+            _mm512_storeu_ps(rows.add(48), _mm512_permutex2var_ps(b, last, f));
+            _mm512_storeu_ps(rows.add(64), _mm512_permutex2var_ps(c, first, g));
+            _mm512_storeu_ps(rows.add(80), _mm512_permutex2var_ps(c, last, g));
+            _mm512_storeu_ps(rows.add(96), _mm512_permutex2var_ps(d, first, h));
+            _mm512_storeu_ps(rows.add(112), _mm512_permutex2var_ps(d, last, h));
+        }
+    }
+}
+
+/// Every fourth of 32 numbers from one on, then every fourth from the next on.
+#[inline(always)]
+fn eighths(from: i32) -> __m512i {
+    let k = from;
+    // SAFETY: see the top.
+    unsafe {
+        _mm512_setr_epi32(
+            k,
+            k + 4,
+            k + 8,
+            k + 12,
+            k + 16,
+            k + 20,
+            k + 24,
+            k + 28,
+            k + 1,
+            k + 5,
+            k + 9,
+            k + 13,
+            k + 17,
+            k + 21,
+            k + 25,
+            k + 29,
+        )
+    }
+}
+
+/// Every eighth of 32 numbers from one on, then every eighth from each of the next three on.
+#[inline(always)]
+fn every_eighth(from: i32) -> __m512i {
+    let k = from;
+    // SAFETY: see the top.
+    unsafe {
+        _mm512_setr_epi32(
+            k,
+            k + 8,
+            k + 16,
+            k + 24,
+            k + 1,
+            k + 9,
+            k + 17,
+            k + 25,
+            k + 2,
+            k + 10,
+            k + 18,
+            k + 26,
+            k + 3,
+            k + 11,
+            k + 19,
+            k + 27,
+        )
+    }
+}
+
+/// The transpose of four times four quarters.
+#[inline(always)]
+fn four_by_four([a, b, c, d]: [__m512; 4]) -> [__m512; 4] {
+    // SAFETY: see the top.
+    unsafe {
+        let (low, low_behind) = (
+            _mm512_shuffle_f32x4::<0x44>(a, b),
+            _mm512_shuffle_f32x4::<0x44>(c, d),
+        );
+        let (high, high_behind) = (
+            _mm512_shuffle_f32x4::<0xee>(a, b),
+            _mm512_shuffle_f32x4::<0xee>(c, d),
+        );
+        [
+            _mm512_shuffle_f32x4::<0x88>(low, low_behind),
+            _mm512_shuffle_f32x4::<0xdd>(low, low_behind),
+            _mm512_shuffle_f32x4::<0x88>(high, high_behind),
+            _mm512_shuffle_f32x4::<0xdd>(high, high_behind),
+        ]
     }
 }
