@@ -91,9 +91,9 @@ impl Sell {
     /// its indices.
     pub fn new(links: &[Link<f32>], limits: &[Limit<f32>], state: &State<f32>) -> Option<Self> {
         let nodes = state.particles.len();
-        // Broken springs keep their slots, so that a table made late has the order of one whose springs broke under way.
+        // Broken springs keep their slots, as do all that may break, so that a table made late has the order of one whose springs broke under way.
         let whole = |&(i, link): &(usize, &Link<f32>)| {
-            state.broken[i] || link.stiffness != 0.0 || link.damping != 0.0
+            state.broken[i] || !limits.is_empty() || link.stiffness != 0.0 || link.damping != 0.0
         };
         let springs = links.iter().enumerate().filter(whole);
         let adjacency = Adjacency::new(nodes, springs.map(|(i, l)| (i as u32, [l.a, l.b])));
