@@ -23,9 +23,9 @@ pub struct Limited<'a> {
     pub events: &'a mut Vec<LimitEvent<f32>>,
     /// Time since the last commit \[s\]; none where nothing is to be written.
     pub commit: Option<f32>,
-    /// Plastic work and energy of fracture \[J\] by lanes: sums whose order does not depend on the width.
+    /// Plastic work \[J\] by lanes: a sum whose order does not depend on the width.
     pub plastic: [f64; LANES],
-    pub fracture: [f64; LANES],
+    pub fracture: f64,
 }
 
 impl Limited<'_> {
@@ -70,7 +70,7 @@ impl Limited<'_> {
     pub fn happened(&self) -> Happened {
         Happened {
             plastic: self.plastic.iter().sum(),
-            fracture: self.fracture.iter().sum(),
+            fracture: self.fracture,
         }
     }
 }
@@ -249,7 +249,7 @@ impl Limited<'_> {
                 self.flow[spring] = self.limits.flow[at.slot].0[lane];
             }
             if outcome.breaks >> l & 1 == 1 {
-                self.fracture[lane] += f64::from(outcome.energy.0[l]);
+                self.fracture += f64::from(outcome.energy.0[l]);
                 self.events.push(event(true));
             }
         }

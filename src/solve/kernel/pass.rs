@@ -43,7 +43,7 @@ pub(crate) fn spring_forces(
             events,
             commit,
             plastic: [0.0; LANES],
-            fracture: [0.0; LANES],
+            fracture: 0.0,
         }),
         drag,
     };

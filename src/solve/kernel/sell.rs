@@ -91,7 +91,8 @@ impl Sell {
     /// its indices.
     pub fn new(links: &[Link<f32>], limits: &[Limit<f32>], state: &State<f32>) -> Option<Self> {
         let nodes = state.particles.len();
-        // Broken springs keep their slots, as do all that may break, so that a table made late has the order of one whose springs broke under way.
+        // Broken springs keep their slots, as do all that may break, so that a table made late has the order of one whose
+        // springs broke under way.
         let whole = |&(i, link): &(usize, &Link<f32>)| {
             state.broken[i] || !limits.is_empty() || link.stiffness != 0.0 || link.damping != 0.0
         };
@@ -213,6 +214,7 @@ impl Builder<'_> {
             .out
             .push(std::array::from_fn(|l| node(l, layout.nodes)));
         let first = layout.which.len();
+        let whole = |&(spring, _): &(u32, u32)| !self.state.broken[spring as usize];
         let mut untouched = false;
         match steps {
             Some(Some(steps)) => {
@@ -221,20 +223,22 @@ impl Builder<'_> {
                         let node = *nodes.get(lane)?;
                         let mut ends = self.adjacency.at(node).iter();
                         let other = (node as i32).wrapping_add(step) as u32;
-                        ends.find(|(_, o)| *o == other).copied()
+                        ends.find(|(_, o)| *o == other).copied().filter(whole)
                     };
                     let ends = std::array::from_fn(at);
                     self.push_slot(sell, nodes, &ends, true);
                     sell.layout.starts.push(sell.mirror.start(slice, step));
                 }
-                let flows = |&(spring, _): &(u32, u32)| self.state.flow[spring as usize] != 0.0;
+                let flows =
+                    |end: &(u32, u32)| self.state.flow[end.0 as usize] != 0.0 || !whole(end);
                 let mut ends = nodes.iter().flat_map(|&n| self.adjacency.at(n));
                 untouched = !ends.any(flows);
             }
             _ => {
                 let longest = nodes.iter().map(|&n| self.adjacency.at(n).len()).max();
                 for slot in 0..longest.unwrap_or(0) {
-                    let at = |lane: usize| self.adjacency.at(*nodes.get(lane)?).get(slot).copied();
+                    let end = |lane: usize| self.adjacency.at(*nodes.get(lane)?).get(slot).copied();
+                    let at = |lane: usize| end(lane).filter(whole);
                     let ends = std::array::from_fn(at);
                     self.push_slot(sell, nodes, &ends, false);
                     if steps.is_some() {

@@ -380,7 +380,7 @@ fn what_cant_be_built_is_named() {
             "normal",
         ),
         (
-            "(rigid: [(name: \"a\", colliders: [(shape: Compound([(shape: HeightField(heights: [[0, 0], [0, 0]], size: (1, 1, 1)))]))])])",
+            "(rigid: [(name: \"a\", colliders: [(shape: Compound([(shape: Polyline(points: [(0, 0, 0), (1, 0, 0)]))]))])])",
             "part of a compound",
         ),
         (

@@ -44,7 +44,7 @@ pub const STONE: &str = r#"(
 fn two_forces_on_one_body_both_act() {
     let scene = r#"(
         world: (gravity: (0, 0, 0), duration: 1),
-        rigid: [(name: "box", colliders: [(shape: Ball(radius: 0.1), mass: 2)])],
+        rigid: [(name: "box", colliders: [(shape: Ball(0.1), mass: 2)])],
         actuators: [Force(on: "box", force: (4, 0, 0)), Force(on: "box", force: (0, 2, 0))],
         probes: [(name: "x", of: Position(of: "box", axis: X)), (name: "y", of: Position(of: "box", axis: Y))],
         expect: [

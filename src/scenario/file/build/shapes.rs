@@ -152,7 +152,7 @@ fn compound(parts: &[Placed], name: &str) -> Result<SharedShape, RunError> {
         if made.as_composite_shape().is_some() {
             return Err(RunError::Shape {
                 name: name.into(),
-                what: "a part of a compound can't itself consist of parts: no compound, mesh, height field, polyline or voxels",
+                what: "a part of a compound can't itself be a compound, a mesh or a polyline",
             });
         }
         Ok((pose, made))
