@@ -135,7 +135,7 @@ impl<S: Scalar> Solver<S> {
             let n = [n[0], n[1], n[2]];
             let w = a.inv_mass + b.inv_mass;
             let along = link.stiffness * w;
-            let across = along * sideways(*rest, length);
+            let across = along * sideways(n, *rest, length);
             for node in [ia, ib] {
                 stiff[node].add(n, along, across);
                 if let Some(damp) = damp.get_mut(node) {

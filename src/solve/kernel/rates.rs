@@ -79,7 +79,7 @@ impl NodeRates<'_> {
             let trial = Trial::new([x, y, z], &far, part, rest);
             let w = inv_mass + w;
             let along = self.table.stiffness::<V>(which, part) * w;
-            let across = along * sideways(rest, trial.length);
+            let across = along * sideways(trial.direction, rest, trial.length);
             add_spring(&mut stiff, trial.direction, along, across);
             if self.damp.is_some() {
                 let along = self.table.damping::<V>(which, part) * w;
