@@ -5,11 +5,9 @@
 //! bodies that were ever lower than the ground, milliseconds per frame of 1/60 s. Rapier's soft bodies have their default
 //! materials, which are not in N/m: what is compared is what gets lost and at what cost, not the shapes.
 
-mod clock;
-
-use clock::Clock;
 use crumple::rapier3d::prelude::*;
 use crumple::scenario::pile::{BLOCK, ROOM, ROPE, ROPE_SPRINGS, SHEET, SHEET_NODES, places};
+use crumple::scenario::speed::clock::Clock;
 use crumple::scenario::{self, Run};
 
 const FRAMES: usize = 180;

@@ -4,12 +4,10 @@
 //! spring, its force evaluated once, integration of its nodes included. Times are those of the thread, least of some runs.
 //! `-- scenes` or `-- resting` prints one of them; a number leaves out blocks of more nodes.
 
-mod clock;
-
-use clock::Clock;
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
 use crumple::scenario;
+use crumple::scenario::speed::clock::Clock;
 use crumple::solve::Solver;
 
 const RUNS: usize = 3;

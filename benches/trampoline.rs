@@ -4,12 +4,10 @@
 //! with the sheet out of their way, the lowest node ever, milliseconds per frame of 1/60 s. Rapier's cloth has its default
 //! material, which is not in N/m: what is compared is who holds the boxes and at what cost, not the sag.
 
-mod clock;
-
-use clock::Clock;
 use crumple::body::{BuildError, Net};
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
+use crumple::scenario::speed::clock::Clock;
 use crumple::shape::sheet_with_bending;
 
 /// Side of a sheet \[m\].

@@ -31,6 +31,8 @@ enum Command {
     Sweep(cli::sweep::SweepArguments),
     /// Puts the results of a sweep, from one or several folders, into one file in the order of the variants.
     Merge(cli::sweep::MergeArguments),
+    /// Measures what this machine reaches, in less than a minute.
+    Speed(cli::speed::SpeedArguments),
     /// Explains the keys of scene files: all, or those of one thing, like `keys World`.
     Keys {
         /// The thing.
@@ -49,6 +51,7 @@ fn main() -> ExitCode {
         Command::Test(arguments) => cli::check::test(&arguments),
         Command::Sweep(arguments) => cli::sweep::sweep(&arguments),
         Command::Merge(arguments) => cli::sweep::merge(&arguments),
+        Command::Speed(arguments) => cli::speed::speed(&arguments),
         Command::Keys { of } => cli::keys::print(of.as_deref()),
     };
     match result {

@@ -4,6 +4,7 @@ pub mod check;
 pub mod keys;
 pub mod run;
 mod scene;
+pub mod speed;
 pub mod sweep;
 mod write;
 

@@ -3,6 +3,34 @@
 //! `k` bounds λ(M⁻¹K) [1/s²] and `c` bounds λ(M⁻¹C) [1/s]. Damping enters: lagged damping lowers the limit of symplectic
 //! Euler, so a limit from stiffness alone would be wrong.
 
+use crate::math::Number;
+
+/// A symmetric matrix: xx, yy, zz, xy, xz, yz.
+pub type Symmetric<S> = [S; 6];
+
+/// Adds along·nn⊤ + across·(1 − nn⊤) for a unit vector n.
+#[inline(always)]
+pub fn add_spring<S: Number>(m: &mut Symmetric<S>, n: [S; 3], along: S, across: S) {
+    let d = along - across;
+    m[0] += across + d * n[0] * n[0];
+    m[1] += across + d * n[1] * n[1];
+    m[2] += across + d * n[2] * n[2];
+    m[3] += d * n[0] * n[1];
+    m[4] += d * n[0] * n[2];
+    m[5] += d * n[1] * n[2];
+}
+
+/// The share of its stiffness with which a stretched spring resists sideways, 1 − L/l; 0 for a pressed one. Nodes in one
+/// place have no direction, n = 0, and may part in any: 1. (What is cut has n = 0 and L = l, and resists nowhere.)
+#[inline(always)]
+pub fn sideways<S: Number>(n: [S; 3], rest: S, length: S) -> S {
+    let stretch = S::ONE - rest / length;
+    let square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+    let lost = (S::ONE - (square + square)).max(S::ZERO);
+    let apart = stretch.max(S::ZERO - stretch).min(S::ONE);
+    stretch.max(lost * apart).max(S::ZERO)
+}
+
 /// Symplectic Euler and velocity Verlet with the damping of the last velocity: h²k + 2hc < 4.
 pub fn leapfrog(k: f64, c: f64) -> f64 {
     if k == 0.0 && c == 0.0 {

@@ -6,6 +6,7 @@
 
 use super::channel::{Channel, Interface};
 use super::history::Moments;
+use super::larger;
 use super::recorder::Sampling;
 use crate::math::DVec3;
 use crate::world::{Deformable, DeformableHandle, Energies, Substep};
@@ -184,7 +185,7 @@ impl BodyRecord {
         let stirred = |s: &&LedgerSample| s.energies.scale() > 1.0e-9 * self.scale;
         let first = self.ledger.iter().position(|s| stirred(&s));
         let counted = self.ledger.iter().skip(first.unwrap_or(0));
-        counted.map(|s| s.residual).fold(0.0, f64::max)
+        counted.map(|s| s.residual).fold(0.0, larger)
     }
 
     /// The channel of an interface, if it ever acted.

@@ -28,5 +28,10 @@ pub use resample::{ResampleError, Resampled, resample};
 pub use signal::SignalError;
 pub use stress::TetSet;
 
+/// The larger of two numbers; NaN if one is, which must not pass for calm.
+pub(crate) fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
+}
+
 #[cfg(test)]
 mod tests;

@@ -6,6 +6,7 @@
 use super::body::BodyRecord;
 use super::channel::Interface;
 use super::history::{Moments, NodeSet};
+use super::larger;
 use super::resample::{ResampleError, Resampled, resample};
 use super::stress::TetSet;
 use crate::body::{NodeId, TetId};
@@ -215,13 +216,13 @@ impl Recorder {
     /// Largest energy residual of any deformable \[1\].
     pub fn max_residual(&self) -> f64 {
         let residuals = self.bodies.iter().map(BodyRecord::max_residual);
-        residuals.fold(0.0, f64::max)
+        residuals.fold(0.0, larger)
     }
 
     /// Largest momentum closure error of any deformable \[1\].
     pub fn momentum_closure(&self) -> f64 {
         let errors = self.bodies.iter().map(|b| b.closure.error());
-        errors.fold(0.0, f64::max)
+        errors.fold(0.0, larger)
     }
 }
 

@@ -17,6 +17,7 @@ pub mod pole;
 pub mod rubber_drop;
 pub mod run;
 pub mod slalom;
+pub mod speed;
 pub mod survey;
 pub mod terrain;
 pub mod thin_plate;

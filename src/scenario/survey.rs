@@ -2,6 +2,7 @@
 
 use super::{Figures, Run};
 use crate::math::narrow;
+use crate::record::larger;
 use crate::world::{Deformable, DeformableWorld};
 use rapier3d::geometry::Collider;
 use rapier3d::math::Pose;
@@ -26,7 +27,7 @@ pub fn mechanical_energy(world: &PhysicsWorld, deformables: &DeformableWorld) ->
 /// Speed of the fastest node of any deformable \[m/s\].
 pub fn fastest_node(deformables: &DeformableWorld) -> f64 {
     let nodes = deformables.iter().flat_map(|(_, b)| b.velocities());
-    nodes.map(|v| f64::from(v.length())).fold(0.0, f64::max)
+    nodes.map(|v| f64::from(v.length())).fold(0.0, larger)
 }
 
 /// Speed of the fastest dynamic rigid body, the mean over its volume of turning included \[m/s\]: √(2·kinetic energy/m).
@@ -34,7 +35,7 @@ pub fn fastest_rigid(world: &PhysicsWorld) -> f64 {
     let moving = world.bodies.iter().filter(|(_, b)| b.is_dynamic());
     moving
         .map(|(_, b)| f64::from((2.0 * b.kinetic_energy() / b.mass().max(1.0e-9)).sqrt()))
-        .fold(0.0, f64::max)
+        .fold(0.0, larger)
 }
 
 /// How deep a node at `point` is in a solid \[m\]: 0 outside, and in shapes without an inside.

@@ -169,7 +169,7 @@ fn pass<S: Scalar, const LIMITED: bool, const COMMIT: bool, const DAMPED: bool>(
         let elongation = length - rest[i];
         let mut tension = spring::tension(link.stiffness, elongation);
         let mut viscosity = link.damping;
-        if LIMITED {
+        if LIMITED && limits[i].may_matter(tension, length) {
             let limit = &limits[i];
             let mapped = plastic::return_map(link.stiffness, elongation, flows[i], &limit.yields);
             tension = mapped.tension;

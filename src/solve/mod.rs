@@ -16,5 +16,5 @@ pub mod statics;
 pub mod work;
 
 pub use integrate::Integrator;
-pub use kernel::Kernel;
+pub use kernel::{Kernel, roof};
 pub use solver::Solver;

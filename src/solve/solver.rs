@@ -195,6 +195,9 @@ impl<S: Scalar> Solver<S> {
     fn evaluate_applied(&mut self, state: &State<S>, field: Option<&dyn ForceField>, time: f64) {
         self.applied.clear();
         self.applied.extend_from_slice(&self.external.node_forces);
+        if !self.applied.is_empty() {
+            self.applied.resize(state.particles.len(), [S::ZERO; 3]);
+        }
         let Some(field) = field else { return };
         self.applied.resize(state.particles.len(), [S::ZERO; 3]);
         for (i, sum) in self.applied.iter_mut().enumerate() {

@@ -115,9 +115,24 @@ impl SpringTable<f32> {
             self.rows = sell.map_or(Rows::Never, |sell| Rows::Made(Box::new(sell)));
         }
     }
+
+    /// Forgets the rows, because another pass is about to change the state.
+    pub fn drop_rows(&mut self) {
+        if matches!(self.rows, Rows::Made(_)) {
+            self.rows = Rows::Later;
+        }
+    }
 }
 
 impl<S: Scalar> Limit<S> {
+    /// Whether a spring of this tension \[N\] and length \[m\] may flow or break. It does not before its first yield force,
+    /// because flow only hardens it.
+    #[inline(always)]
+    pub fn may_matter(&self, tension: S, length: S) -> bool {
+        let elastic = (tension <= self.yields.tension) & (-tension <= self.yields.compression);
+        !(elastic & (tension <= self.break_force) & (length <= self.break_length))
+    }
+
     /// Of a spring that never yields or breaks.
     const NEVER: Self = Self {
         yields: Yield {

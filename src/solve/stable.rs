@@ -7,8 +7,10 @@
 //! see [`super::fem`]; of a body with both the sum is taken.
 
 use super::integrate::Integrator;
+use super::kernel::{self, of_f32, of_f32_mut};
 use super::solver::Solver;
 use crate::body::state::State;
+use crate::law::stable::{Symmetric, add_spring, sideways};
 use crate::math::{DMat3, DVec3, Scalar};
 use crate::solve::forces::axis;
 
@@ -25,18 +27,26 @@ pub struct StableStep {
     pub never: bool,
 }
 
-/// Symmetric 3×3 in six numbers: xx, yy, zz, xy, xz, yz.
-type Sym = [f64; 6];
+/// Σ k·dd⊤·(1/m_a + 1/m_b) over the springs of a node \[1/s²\], or the same of their viscosities \[1/s\]: xx, yy, zz, xy, xz,
+/// yz, and two that fill it to a power of two.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(32))]
+pub(crate) struct Rates<S>(pub [S; 8]);
 
-fn add(m: &mut Sym, n: [f64; 3], along: f64, across: f64) {
-    let d = along - across;
-    m[0] += across + d * n[0] * n[0];
-    m[1] += across + d * n[1] * n[1];
-    m[2] += across + d * n[2] * n[2];
-    m[3] += d * n[0] * n[1];
-    m[4] += d * n[0] * n[2];
-    m[5] += d * n[1] * n[2];
+impl<S: Scalar> Rates<S> {
+    fn add(&mut self, n: [S; 3], along: S, across: S) {
+        let [a, b, c, d, e, f, ..] = &mut self.0;
+        let mut m = [*a, *b, *c, *d, *e, *f];
+        add_spring(&mut m, n, along, across);
+        (*a, *b, *c, *d, *e, *f) = (m[0], m[1], m[2], m[3], m[4], m[5]);
+    }
+
+    fn f64(&self) -> Sym {
+        std::array::from_fn(|k| self.0[k].f64())
+    }
 }
+
+type Sym = Symmetric<f64>;
 
 /// A cheap upper bound of the largest eigenvalue of a positive matrix: the lesser of trace and row-sum norm.
 fn cheap_bound(m: &Sym) -> f64 {
@@ -65,87 +75,130 @@ fn largest_eigenvalue(m: &Sym) -> f64 {
 }
 
 impl<S: Scalar> Solver<S> {
-    /// The longest stable substep of a scheme for the body as it is now.
+    /// The longest stable substep of a scheme for the body as it is now, and which spring or element sets it.
+    ///
+    /// The rates of nodes are sums in the scalar of the solver.
     pub fn stable_step(&self, state: &State<S>, integrator: Integrator) -> StableStep {
-        let nodes = state.particles.len();
-        let mut stiff = vec![[0.0; 6]; nodes];
-        let damped = self.table.damped;
-        let mut damp = vec![[0.0; 6]; if damped { nodes } else { 0 }];
-        let mut relaxation = (f64::INFINITY, None);
+        let (mut step, node) = self.longest_step(state, integrator);
+        step.spring = if step.never {
+            self.relaxation().1
+        } else {
+            node.and_then(|i| self.stiffest_at(i, state))
+        };
+        step.element = step.element.filter(|_| step.spring.is_none());
+        step
+    }
+
+    /// As [`Self::stable_step`], without looking for the spring that sets it.
+    pub(crate) fn longest_stable_step(
+        &self,
+        state: &State<S>,
+        integrator: Integrator,
+    ) -> StableStep {
+        self.longest_step(state, integrator).0
+    }
+
+    /// The least c/k of any spring \[s\], and of which.
+    fn relaxation(&self) -> (f64, Option<u32>) {
+        let mut least = (f64::INFINITY, None);
         for (i, link) in self.table.links.iter().enumerate() {
             let (k, c) = (link.stiffness.f64(), link.damping.f64());
-            if k == 0.0 && c == 0.0 {
-                continue;
+            if k > 0.0 && c / k < least.0 {
+                least = (c / k, Some(i as u32));
             }
+        }
+        least
+    }
+
+    /// Per node the rates of its springs' stiffnesses, and of their viscosities where there are any.
+    fn rates(&self, state: &State<S>) -> [Vec<Rates<S>>; 2] {
+        // One more, as for forces.
+        let nodes = state.particles.len() + 1;
+        let damped = self.table.damped;
+        let mut found = [nodes, if damped { nodes } else { 0 }].map(|n| vec![Rates::default(); n]);
+        if let (Some(solver), Some(state), Some(rates)) =
+            (of_f32(self), of_f32(state), of_f32_mut(&mut found))
+            && kernel::rates(solver, state, rates)
+        {
+            return found;
+        }
+        self.add_rates(state, &mut found);
+        found
+    }
+
+    /// The same one spring after the other, which gives the same bits.
+    fn add_rates(&self, state: &State<S>, [stiff, damp]: &mut [Vec<Rates<S>>; 2]) {
+        for (link, rest) in self.table.links.iter().zip(&state.rest) {
             let (ia, ib) = (link.a as usize, link.b as usize);
             let (a, b) = (&state.particles[ia], &state.particles[ib]);
             let (n, length) = axis(a, b);
-            let n = [n[0].f64(), n[1].f64(), n[2].f64()];
-            let w = (a.inv_mass + b.inv_mass).f64();
-            let sideways = (1.0 - state.rest[i].f64() / length.f64()).max(0.0);
-            // Nodes in one place have no direction yet and may part in any.
-            let lost = n == [0.0; 3];
-            let across = if lost {
-                [k * w, c * w]
-            } else {
-                [k * w * sideways, 0.0]
-            };
+            let n = [n[0], n[1], n[2]];
+            let w = a.inv_mass + b.inv_mass;
+            let along = link.stiffness * w;
+            let across = along * sideways(n, *rest, length);
             for node in [ia, ib] {
-                add(&mut stiff[node], n, k * w, across[0]);
-                if damped {
-                    add(&mut damp[node], n, c * w, across[1]);
+                stiff[node].add(n, along, across);
+                if let Some(damp) = damp.get_mut(node) {
+                    damp.add(n, link.damping * w, S::ZERO);
                 }
             }
-            if k > 0.0 && c / k < relaxation.0 {
-                relaxation = (c / k, Some(i as u32));
-            }
         }
+    }
+
+    /// The longest stable substep, its spring not named yet, and the worst node.
+    fn longest_step(
+        &self,
+        state: &State<S>,
+        integrator: Integrator,
+    ) -> (StableStep, Option<usize>) {
+        let [stiff, damp] = self.rates(state);
         let part = self.part.as_ref();
         let [elastic, viscous] = part.map_or_else(Default::default, |p| p.rates(&state.particles));
-        if let Some(solid) = part.map(|p| p.model.solid()) {
-            // The least c/k of any mode, α/λ + β.
-            let least = solid.mass_damping / elastic.largest + solid.stiffness_damping;
-            if least < relaxation.0 {
-                relaxation = (least, None);
+        let drag = self.external.drag.f64();
+        let mut relaxation = f64::INFINITY;
+        if integrator.needs_relaxation() {
+            relaxation = self.relaxation().0;
+            if let Some(solid) = part.map(|p| p.model.solid()) {
+                // The least c/k of any mode, α/λ + β.
+                let least = solid.mass_damping / elastic.largest + solid.stiffness_damping;
+                relaxation = relaxation.min(least);
+            }
+            if drag > 0.0 {
+                // Drag damps every mode: C ≥ D·min(1/m), K ≤ max λ(K), both per mass.
+                let masses = state.particles.iter().map(|p| p.inv_mass.f64());
+                let free = masses.filter(|w| *w > 0.0);
+                let bounds = stiff.iter().map(|m| cheap_bound(&m.f64()));
+                let stiffest = bounds.fold(0.0, f64::max) + elastic.largest;
+                relaxation += drag * free.fold(f64::INFINITY, f64::min) / stiffest;
             }
         }
-        let drag = self.external.drag.f64();
-        if drag > 0.0 {
-            // Drag damps every mode: C ≥ D·min(1/m), K ≤ max λ(K), both per mass.
-            let free = state
-                .particles
-                .iter()
-                .map(|p| p.inv_mass.f64())
-                .filter(|w| *w > 0.0);
-            let stiffest = stiff.iter().map(cheap_bound).fold(0.0, f64::max) + elastic.largest;
-            relaxation.0 += drag * free.fold(f64::INFINITY, f64::min) / stiffest;
-        }
-        let limit = |i: usize, eigenvalue: fn(&Sym) -> f64| {
-            let c = damp.get(i).map_or(0.0, eigenvalue) + drag * state.particles[i].inv_mass.f64();
-            let (k, c) = (eigenvalue(&stiff[i]) + elastic.largest, c + viscous.largest);
-            integrator.stable_step(k, c, relaxation.0)
+        let rates = |i: usize, eigenvalue: fn(&Sym) -> f64| {
+            let c = damp.get(i).map_or(0.0, |m| eigenvalue(&m.f64()));
+            let c = c + drag * state.particles[i].inv_mass.f64();
+            (
+                eigenvalue(&stiff[i].f64()) + elastic.largest,
+                c + viscous.largest,
+            )
         };
-        let mut worst = (f64::INFINITY, None);
-        for i in (0..nodes).filter(|&i| state.particles[i].inv_mass > S::ZERO) {
-            if limit(i, cheap_bound) < worst.0 {
-                let h = limit(i, largest_eigenvalue);
+        let mut worst = (f64::INFINITY, None, (-1.0, -1.0));
+        for i in (0..state.particles.len()).filter(|&i| state.particles[i].inv_mass > S::ZERO) {
+            let (k, c) = rates(i, cheap_bound);
+            // The step only falls with either.
+            if k > worst.2.0 || c > worst.2.1 {
+                let (k, c) = rates(i, largest_eigenvalue);
+                let h = integrator.stable_step(k, c, relaxation);
                 if h < worst.0 {
-                    worst = (h, Some(i));
+                    worst = (h, Some(i), (k, c));
                 }
             }
         }
-        let never = worst.0 <= 0.0;
-        let spring = if never {
-            relaxation.1
-        } else {
-            worst.1.and_then(|i| self.stiffest_at(i, state))
-        };
-        StableStep {
+        let step = StableStep {
             h: worst.0,
-            spring,
-            element: elastic.element.filter(|_| spring.is_none()),
-            never,
-        }
+            spring: None,
+            element: elastic.element,
+            never: worst.0 <= 0.0,
+        };
+        (step, worst.1)
     }
 
     fn stiffest_at(&self, node: usize, state: &State<S>) -> Option<u32> {

@@ -64,7 +64,9 @@ impl Deformable {
 
     /// How many substeps a stretch of `dt` s needs, and whether it asked for too few. `frame` is the world's step.
     pub(super) fn substeps_for(&self, dt: f64, frame: f64) -> (usize, bool) {
-        let stable = self.stable_step();
+        let stable = self
+            .solver
+            .longest_stable_step(&self.state, self.integrator());
         let count = |h: f64| ((dt / h).ceil() as usize).max(1);
         let share = |n: usize| ((n as f64 * dt / frame).round() as usize).max(1);
         match self.substeps() {

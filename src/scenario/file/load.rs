@@ -202,8 +202,18 @@ fn overlaid(mut below: Vec<Field>, above: &[Field], top: bool) -> Vec<Field> {
 fn variables(tree: &Node, files: &[PathBuf], options: &LoadOptions) -> (Variables, Vec<Problem>) {
     let (mut variables, mut problems) = (Variables::new(), Vec::new());
     let seed = tree.get("world").and_then(|w| w.get("seed"));
-    let seed = match seed.map(|n| &n.value) {
-        Some(Value::Number(x)) => *x,
+    let seed = match seed.map(|n| (n.at, &n.value)) {
+        Some((_, Value::Number(x))) => *x,
+        Some((at, _)) if options.seed.is_none() => {
+            problems.push(Problem {
+                file: files.get(at.file).cloned().unwrap_or_default(),
+                line: at.line,
+                column: at.column,
+                key: "world.seed".into(),
+                what: "must be a number: formulas draw from it, so it can't be one".into(),
+            });
+            0.0
+        }
         _ => 0.0,
     };
     variables.insert("seed".into(), options.seed.map_or(seed, |s| s as f64));

@@ -59,7 +59,8 @@ impl Series {
     /// The pair whose `key` is largest, the first of equals.
     fn most(&self, key: fn(f64) -> f64) -> Measured {
         let better = |best: Option<(f64, f64)>, next: (f64, f64)| match best {
-            Some(best) if key(best.0) >= key(next.0) => Some(best),
+            // NaN is never passed over.
+            Some(best) if best.0.is_nan() || key(best.0) >= key(next.0) => Some(best),
             _ => Some(next),
         };
         let best = self.pairs().fold(None, better);

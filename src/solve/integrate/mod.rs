@@ -76,6 +76,11 @@ impl Integrator {
         }
     }
 
+    /// Whether its stable step depends on the least c/k.
+    pub(crate) fn needs_relaxation(self) -> bool {
+        matches!(self, Self::ExplicitEuler | Self::Midpoint)
+    }
+
     /// Whether an impulse given to a node after the free motion, v += Δv and x += h·Δv, is the same as one given at the
     /// start. It is for schemes that move x by h·v with the final v, and saves a second prediction.
     pub(crate) fn takes_late_impulses(self) -> bool {

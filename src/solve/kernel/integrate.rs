@@ -1,8 +1,6 @@
 //! The pass of symplectic Euler over nodes, sixteen at a time; see [`crate::solve::integrate`] for what it does.
 
-use super::vector::{
-    Half, LANES, Pass, Vector, Wide, columns, columns_of_four, put, put_four, run,
-};
+use super::vector::{LANES, Pass, Vector, Wide, columns, columns_of_four, put, put_four, run};
 use crate::body::state::{Particle, State};
 use crate::math::two_sum;
 use crate::solve::forces::Force;
@@ -141,13 +139,11 @@ impl<V: Vector> Lanes<V> {
         part: usize,
         c: &Constants<V>,
     ) {
-        let elastic = columns::<V, _>(forces, part, Half::First);
-        let mut damping = [V::ZERO; 4];
-        if DAMPED {
-            damping = columns::<V, _>(forces, part, Half::Second);
+        let [elastic, mut damping] = columns::<V, _>(forces, part);
+        if !DAMPED {
+            damping = [V::ZERO; 4];
         }
-        let mut velocity = columns::<V, _>(particles, part, Half::Second);
-        let mut at = columns::<V, _>(particles, part, Half::First);
+        let [mut at, mut velocity] = columns::<V, _>(particles, part);
         let mut below = columns_of_four::<V>(low, part);
         let inv_mass = at[3];
         let free = V::above(inv_mass, V::ZERO, V::ONE, V::ZERO);
@@ -183,8 +179,7 @@ impl<V: Vector> Lanes<V> {
         self.external += outside - held;
         self.fastest = squared.max(self.fastest);
         self.all_speeds += squared;
-        put(particles, part, Half::First, at);
-        put(particles, part, Half::Second, velocity);
+        put(particles, part, [at, velocity]);
         put_four(low, part, below);
     }
 }

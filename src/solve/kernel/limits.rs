@@ -3,9 +3,10 @@
 //! A part of a slice is computed as if no spring had any; if then one was out of its range, all is computed again, by a function
 //! of its own that asks the law of plasticity wherever it may matter. So the usual loop has neither a branch nor a call.
 
-use super::pass::{Nodes, Table, Trial};
-use super::sell::Limits;
-use super::vector::{Aside, Half, LANES, Slot, Vector};
+use super::pass::{Nodes, Trial, add_springs};
+use super::ranges::Limits;
+use super::table::{BySlot, End, Table, Untouched};
+use super::vector::{Aside, Half, LANES, Runs, Slot, Vector, Wide};
 use crate::body::state::Particle;
 use crate::law::plastic::{self, Yield};
 use crate::law::spring;
@@ -33,14 +34,26 @@ impl Limited<'_> {
     pub fn add_springs<V: Vector, const DAMPED: bool>(
         &mut self,
         table: &Table,
+        runs: &Runs,
         (slice, part): (usize, usize),
         nodes: Nodes<V>,
     ) -> Nodes<V> {
-        if !self.limits.busy[slice][part] {
-            let limits = &self.limits;
-            let place = (slice, part);
-            let (sums, within) =
-                table.add_springs::<V, true, DAMPED>(place, nodes, &limits.rest, &limits.ranges);
+        let limits = &self.limits;
+        if !limits.busy[slice][part] {
+            let (sums, within) = if limits.untouched[slice] {
+                let rule = Untouched {
+                    rest: table.rests(),
+                    slacks: &limits.slacks,
+                };
+                let slots = table.regular_slots(slice, runs);
+                add_springs::<V, _, _, DAMPED>(table, slots, part, nodes, &rule)
+            } else {
+                let rule = BySlot {
+                    rest: &limits.rest,
+                    ranges: &limits.ranges,
+                };
+                add_springs::<V, _, _, DAMPED>(table, table.slots(slice), part, nodes, &rule)
+            };
             if within {
                 return sums;
             }
@@ -83,10 +96,10 @@ impl<V: Vector, const DAMPED: bool> Aside<V> for AtLimits<'_, '_, V, DAMPED> {
             part,
             mut nodes,
         } = self;
+        limited.limits.untouched[slice] = false;
         let own = table.own(slice);
         if !DAMPED {
-            let [x, y, z, _] = own.columns(part, Half::Second);
-            nodes.velocity = [x, y, z];
+            nodes.velocity = own.velocity(part);
         }
         let mut busy = false;
         for (slot, far, which) in table.slots(slice) {
@@ -103,7 +116,6 @@ impl<V: Vector, const DAMPED: bool> Aside<V> for AtLimits<'_, '_, V, DAMPED> {
                     slot,
                     part,
                     which,
-                    own,
                     far,
                 };
                 (tension, held) = limited.answer(table, &slots, &nodes, &trial, (stiffness, rest));
@@ -124,18 +136,27 @@ struct Slots<'a> {
     slot: usize,
     part: usize,
     which: usize,
-    own: Slot<'a, Particle<f32>>,
     far: Slot<'a, Particle<f32>>,
 }
 
 /// What the law says of springs to which something happens.
-struct Outcome<V> {
-    tension: V,
-    energy: V,
-    work: V,
+struct Outcome {
+    tension: Wide,
+    energy: Wide,
+    work: Wide,
     /// One bit for each lane.
     flows: u32,
     breaks: u32,
+    /// How many there are.
+    lanes: usize,
+}
+
+/// The lanes of a vector in the first places.
+#[inline(always)]
+fn wide<V: Vector>(value: V) -> Wide {
+    let mut wide = Wide([0.0; LANES]);
+    value.store(&mut wide, 0);
+    wide
 }
 
 impl Limited<'_> {
@@ -175,22 +196,29 @@ impl Limited<'_> {
             self.limits.ranges[slot].forget();
         } else if !self.limits.ranges[slot].is_known() {
             self.limits
-                .find_range::<V>(slot, self.table, &table.stiffness[at.which]);
+                .find_range::<V>(slot, self.table, table.stiffness_of(at.which));
         }
         if flows | breaks == 0 {
             return (mapped.tension, V::ONE);
         }
-        // The trapezoid, as for every other work: the tension of the last commit follows from the rate.
-        let rate = nodes.rate(trial, &at.far, part);
-        let last = stiffness * (trial.elongation - V::of(h.into()) * rate);
-        let outcome = Outcome {
-            tension: mapped.tension,
-            energy: spring::energy(stiffness, trial.elongation - mapped.flow),
-            work: plastic::work(last, &mapped),
-            flows,
-            breaks,
-        };
-        self.book(at, &outcome);
+        // Both ends find the same; that of the lower node tells.
+        let telling = u32::from(self.limits.telling[slot]) >> (part * V::LANES);
+        if (flows | breaks) & telling != 0 {
+            // The trapezoid, as for every other work: the tension of the last commit follows from the rate.
+            let rate = nodes.rate(trial, &at.far, part);
+            let last = stiffness * (trial.elongation - V::of(h.into()) * rate);
+            self.book(
+                at,
+                &Outcome {
+                    tension: wide(mapped.tension),
+                    energy: wide(spring::energy(stiffness, trial.elongation - mapped.flow)),
+                    work: wide(plastic::work(last, &mapped)),
+                    flows: flows & telling,
+                    breaks: breaks & telling,
+                    lanes: V::LANES,
+                },
+            );
+        }
         let unbroken = |value: V| {
             let held = V::above(trial.length, break_length, V::ZERO, value);
             V::above(mapped.tension, break_force, V::ZERO, held)
@@ -198,26 +226,22 @@ impl Limited<'_> {
         (unbroken(mapped.tension), unbroken(V::ONE))
     }
 
-    /// Writes to the state what happened to the springs. Both ends find the same; that of the lower node tells.
-    #[inline(always)]
-    fn book<V: Vector>(&mut self, at: &Slots, outcome: &Outcome<V>) {
+    /// Writes to the state what happened to springs.
+    fn book(&mut self, at: &Slots, outcome: &Outcome) {
         let mut bits = outcome.flows | outcome.breaks;
         while bits != 0 {
             let l = bits.trailing_zeros() as usize;
             bits &= bits - 1;
-            let lane = at.part * V::LANES + l;
-            if at.own.row(lane) >= at.far.row(lane) {
-                continue;
-            }
+            let lane = at.part * outcome.lanes + l;
             let spring = self.limits.springs.row(at.slot, lane);
             let event = |broke| LimitEvent {
                 spring: spring as u32,
                 broke,
-                tension: outcome.tension.lane(l) as f32,
-                energy: outcome.energy.lane(l) as f32,
+                tension: outcome.tension.0[l],
+                energy: outcome.energy.0[l],
             };
             if outcome.flows >> l & 1 == 1 {
-                self.plastic[lane] += outcome.work.lane(l);
+                self.plastic[lane] += f64::from(outcome.work.0[l]);
                 if self.flow[spring] == 0.0 {
                     self.events.push(event(false));
                 }
@@ -225,7 +249,7 @@ impl Limited<'_> {
                 self.flow[spring] = self.limits.flow[at.slot].0[lane];
             }
             if outcome.breaks >> l & 1 == 1 {
-                self.fracture += outcome.energy.lane(l);
+                self.fracture += f64::from(outcome.energy.0[l]);
                 self.events.push(event(true));
             }
         }

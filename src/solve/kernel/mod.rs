@@ -6,20 +6,30 @@
 //! less than the price of scattering. Differences change sign exactly in floating point, and everything else of a spring is
 //! even in them, so both ends find the same tension to the last bit.
 //!
+//! Where nodes follow each other in memory as they do in the body, their neighbours do so too: then nodes are copied column by
+//! column first, and neighbours are read from there without indices (`regular.rs`), in the same order of sums.
+//!
 //! **Every width gives the same bits**, and those of the scalar pass ([`super::forces`]): a row sums its springs in their order,
 //! products are not fused with sums, and square roots and quotients are exact. So [`Kernel`] is a matter of speed alone.
 
 mod integrate;
 mod limits;
+mod mirror;
 mod order;
 mod pass;
+mod ranges;
+mod rates;
+mod regular;
+pub mod roof;
 mod sell;
+mod table;
 #[cfg(test)]
 mod tests;
 mod vector;
 
 pub(crate) use integrate::{Totals, symplectic_euler};
 pub(crate) use pass::spring_forces;
+pub(crate) use rates::rates;
 pub(crate) use sell::Sell;
 pub(crate) use vector::{Half, Pass, Places, Vector, put_four, run};
 
@@ -47,9 +57,9 @@ pub enum Kernel {
     /// The widest that the processor has.
     #[default]
     Auto,
-    /// Four numbers at a time, which every processor of 64 bits has.
+    /// Springs one by one, nodes and tets four numbers at a time: what every processor has.
     Portable,
-    /// Eight at a time with AVX2, or what the processor has of it.
+    /// Eight at a time with AVX2 (and FMA, which only processors with AVX2 have), or what the processor has of it.
     Avx2,
     /// Sixteen at a time with AVX-512, or what the processor has of it.
     Avx512,
@@ -61,11 +71,11 @@ impl Kernel {
     /// ```
     /// use crumple::solve::Kernel;
     /// println!("kernel: {}", Kernel::Auto.name());
-    /// assert_eq!(Kernel::Portable.name(), "portable ×4");
+    /// assert_eq!(Kernel::Portable.name(), "portable");
     /// ```
     pub fn name(self) -> &'static str {
         match Width::of(self) {
-            Width::Portable => "portable ×4",
+            Width::Portable => "portable",
             Width::Avx2 => "AVX2 ×8",
             Width::Avx512 => "AVX-512 ×16",
         }

@@ -46,7 +46,7 @@ impl Adjacency {
         &self.ends[self.firsts[node] as usize..self.firsts[node + 1] as usize]
     }
 
-    fn nodes(&self) -> usize {
+    pub fn nodes(&self) -> usize {
         self.firsts.len() - 1
     }
 

@@ -2,14 +2,17 @@
 
 use super::Kernel;
 use super::limits::Limited;
-use super::sell::{LEAST_SQUARE, Range};
-use super::vector::{Half, LANES, Pass, Reader, Slot, Vector, Wide, Writer, run};
-use crate::body::state::{Particle, State};
+use super::mirror::Mirror;
+use super::sell::LEAST_SQUARE;
+use super::table::{End, Free, Rule, Table};
+use super::vector::{Half, LANES, Pass, Runs, Starts, Vector, Width, Writer, put, run};
+use crate::body::state::State;
 use crate::law::spring;
 use crate::solve::forces::{Force, Happened, LimitEvent};
 use crate::solve::springs::{Rows, SpringTable};
 
-/// Writes the force of all springs, and of drag D \[N·s/m\], on every node. `None` where there is no table to do it by.
+/// Writes the force of all springs, and of drag D \[N·s/m\], on every node. `None` where the scalar pass is to do it: it is
+/// faster than four lanes, and some bodies have no table.
 pub(crate) fn spring_forces(
     kernel: Kernel,
     table: &mut SpringTable<f32>,
@@ -18,22 +21,20 @@ pub(crate) fn spring_forces(
     events: &mut Vec<LimitEvent<f32>>,
     (commit, drag): (Option<f32>, f32),
 ) -> Option<Happened> {
+    if Width::of(kernel) == Width::Portable {
+        table.drop_rows();
+        return None;
+    }
     let old_events = events.len();
     table.make_rows(state);
     let Rows::Made(sell) = &mut table.rows else {
         return None;
     };
     let springs = Springs {
-        out: sell.out.of_mut(forces)?,
-        table: Table {
-            firsts: &sell.firsts,
-            far: sell.far.of(&state.particles)?,
-            own: sell.own.of(&state.particles)?,
-            which: &sell.which,
-            stiffness: &sell.stiffness,
-            damping: &sell.damping,
-            rest: &sell.rest,
-        },
+        out: sell.layout.out.of_mut(forces)?,
+        table: Table::of(&sell.layout, &state.particles)?,
+        mirror: &mut sell.mirror,
+        starts: &sell.layout.starts,
         limited: sell.limits.as_mut().map(|limits| Limited {
             limits,
             table: &table.limits,
@@ -57,21 +58,10 @@ pub(crate) fn spring_forces(
 struct Springs<'a> {
     out: Writer<'a, Force<f32>>,
     table: Table<'a>,
+    mirror: &'a mut Mirror,
+    starts: &'a Starts,
     limited: Option<Limited<'a>>,
     drag: f32,
-}
-
-/// What the pass reads.
-#[derive(Clone, Copy)]
-pub(super) struct Table<'a> {
-    firsts: &'a [u32],
-    own: Reader<'a, Particle<f32>>,
-    far: Reader<'a, Particle<f32>>,
-    which: &'a [u32],
-    pub stiffness: &'a [Wide],
-    damping: &'a [Wide],
-    /// Empty where springs have limits, which have them.
-    rest: &'a [Wide],
 }
 
 impl Pass for Springs<'_> {
@@ -79,11 +69,11 @@ impl Pass for Springs<'_> {
 
     #[inline(always)]
     fn run<V: Vector>(self) -> Happened {
-        match (self.limited.is_some(), self.table.damping.is_empty()) {
-            (false, true) => self.slices::<V, false, false>(),
-            (false, false) => self.slices::<V, false, true>(),
-            (true, true) => self.slices::<V, true, false>(),
-            (true, false) => self.slices::<V, true, true>(),
+        match (self.limited.is_some(), self.table.is_damped()) {
+            (false, false) => self.slices::<V, false, false>(),
+            (false, true) => self.slices::<V, false, true>(),
+            (true, false) => self.slices::<V, true, false>(),
+            (true, true) => self.slices::<V, true, true>(),
         }
     }
 }
@@ -94,28 +84,59 @@ impl Springs<'_> {
         let Self {
             mut out,
             table,
+            mirror,
+            starts,
             mut limited,
             drag,
         } = self;
-        for slice in 0..table.firsts.len() - 1 {
+        if !mirror.columns.is_empty() {
+            mirror.fill::<V, DAMPED>(&table);
+        }
+        // There are places in columns for as many as there are.
+        let Some(runs) = starts.of(&mirror.columns) else {
+            return Happened::default();
+        };
+        for slice in 0..table.slices() {
             for part in 0..LANES / V::LANES {
-                let nodes = table.nodes::<V, DAMPED>(slice, part, drag);
+                let nodes = Nodes::of::<DAMPED>(&table, slice, part, drag);
+                let place = (slice, part);
                 let sums = match &mut limited {
                     Some(limited) if LIMITED => {
-                        limited.add_springs::<V, DAMPED>(&table, (slice, part), nodes)
+                        limited.add_springs::<V, DAMPED>(&table, &runs, place, nodes)
                     }
-                    _ => {
-                        table
-                            .add_springs::<V, false, DAMPED>((slice, part), nodes, table.rest, &[])
-                            .0
-                    }
+                    _ => add_free_springs::<V, DAMPED>(&table, &runs, place, nodes),
                 };
                 let lanes = |[x, y, z]: [V; 3]| [x, y, z, V::ZERO];
-                out.put(slice, part, Half::First, lanes(sums.elastic));
-                out.put(slice, part, Half::Second, lanes(sums.damping));
+                let columns = [lanes(sums.elastic), lanes(sums.damping)];
+                match out.together(LANES * slice) {
+                    Some(rows) if table.keeps_order() && slice < table.together().len() => {
+                        put(rows, part, columns);
+                    }
+                    _ => {
+                        out.put(slice, part, Half::First, columns[0]);
+                        out.put(slice, part, Half::Second, columns[1]);
+                    }
+                }
             }
         }
         limited.map_or(Happened::default(), |l| l.happened())
+    }
+}
+
+/// All springs of a part of a slice of a body whose springs have no limits.
+#[inline(always)]
+fn add_free_springs<V: Vector, const DAMPED: bool>(
+    table: &Table,
+    runs: &Runs,
+    (slice, part): (usize, usize),
+    nodes: Nodes<V>,
+) -> Nodes<V> {
+    let rule = Free(table.rests());
+    if table.is_regular(slice) {
+        let slots = table.regular_slots(slice, runs);
+        add_springs::<V, _, _, DAMPED>(table, slots, part, nodes, &rule).0
+    } else {
+        add_springs::<V, _, _, DAMPED>(table, table.slots(slice), part, nodes, &rule).0
     }
 }
 
@@ -143,14 +164,14 @@ pub(super) fn dot<V: Vector>(a: [V; 3], b: [V; 3]) -> V {
 }
 
 #[inline(always)]
-pub(super) fn difference<V: Vector>([x, y, z, _]: [V; 4], b: [V; 3]) -> [V; 3] {
+pub(super) fn difference<V: Vector>([x, y, z]: [V; 3], b: [V; 3]) -> [V; 3] {
     [x - b[0], y - b[1], z - b[2]]
 }
 
 impl<V: Vector> Trial<V> {
     #[inline(always)]
-    pub fn new(at: [V; 3], far: &Slot<'_, Particle<f32>>, part: usize, rest: V) -> Self {
-        let d = difference(far.columns(part, Half::First), at);
+    pub fn new(at: [V; 3], far: &impl End<V>, part: usize, rest: V) -> Self {
+        let d = difference(far.place(part), at);
         let length = dot(d, d).at_least(LEAST_SQUARE).sqrt();
         let inverse = V::ONE / length;
         Self {
@@ -162,6 +183,27 @@ impl<V: Vector> Trial<V> {
 }
 
 impl<V: Vector> Nodes<V> {
+    /// Those of a part of a slice, with the force of drag \[N·s/m\] on them.
+    #[inline(always)]
+    fn of<const DAMPED: bool>(table: &Table, slice: usize, part: usize, drag: f32) -> Self {
+        let own = table.own(slice);
+        let [x, y, z, _] = own.columns(part, Half::First);
+        let mut nodes = Self {
+            at: [x, y, z],
+            velocity: [V::ZERO; 3],
+            elastic: [V::ZERO; 3],
+            damping: [V::ZERO; 3],
+        };
+        if DAMPED || drag > 0.0 {
+            nodes.velocity = own.velocity(part);
+        }
+        if drag > 0.0 {
+            let drag = V::of(drag.into());
+            nodes.damping = nodes.velocity.map(|v| -(drag * v));
+        }
+        nodes
+    }
+
     /// Adds springs of this tension \[N\].
     #[inline(always)]
     pub fn pull(&mut self, trial: &Trial<V>, tension: V) {
@@ -181,96 +223,32 @@ impl<V: Vector> Nodes<V> {
 
     /// Rate of elongation \[m/s\].
     #[inline(always)]
-    pub fn rate(&self, trial: &Trial<V>, far: &Slot<'_, Particle<f32>>, part: usize) -> V {
-        let velocity = difference(far.columns(part, Half::Second), self.velocity);
+    pub fn rate(&self, trial: &Trial<V>, far: &impl End<V>, part: usize) -> V {
+        let velocity = difference(far.velocity(part), self.velocity);
         dot(velocity, trial.direction)
     }
 }
 
-impl<'a> Table<'a> {
-    #[inline(always)]
-    fn nodes<V: Vector, const DAMPED: bool>(
-        &self,
-        slice: usize,
-        part: usize,
-        drag: f32,
-    ) -> Nodes<V> {
-        let own = self.own.slot(slice);
-        let [x, y, z, _] = own.columns(part, Half::First);
-        let mut nodes = Nodes {
-            at: [x, y, z],
-            velocity: [V::ZERO; 3],
-            elastic: [V::ZERO; 3],
-            damping: [V::ZERO; 3],
-        };
-        if DAMPED || drag > 0.0 {
-            let [x, y, z, _] = own.columns(part, Half::Second);
-            nodes.velocity = [x, y, z];
+/// All springs of as many nodes as there are lanes, as if none had a limit, and whether none can have reached one.
+#[inline(always)]
+pub(super) fn add_springs<V: Vector, E: End<V>, R: Rule<V>, const DAMPED: bool>(
+    table: &Table,
+    slots: impl Iterator<Item = (usize, E, usize)>,
+    part: usize,
+    mut nodes: Nodes<V>,
+    rule: &R,
+) -> (Nodes<V>, bool) {
+    let mut within = V::ONE;
+    for (slot, far, which) in slots {
+        let rest = rule.rest(slot, which, part);
+        let trial = Trial::new(nodes.at, &far, part, rest);
+        let tension = spring::tension(table.stiffness(which, part), trial.elongation);
+        within = rule.keep(within, trial.elongation, rest, (slot, which, part));
+        nodes.pull(&trial, tension);
+        if DAMPED {
+            let rate = nodes.rate(&trial, &far, part);
+            nodes.damp(&trial, rate, table.damping(which, part));
         }
-        if drag > 0.0 {
-            let drag = V::of(drag.into());
-            nodes.damping = nodes.velocity.map(|v| -(drag * v));
-        }
-        nodes
     }
-
-    /// The place of a slice's own nodes.
-    #[inline(always)]
-    pub fn own(&self, slice: usize) -> Slot<'a, Particle<f32>> {
-        self.own.slot(slice)
-    }
-
-    /// The slots of a slice, each with its other ends and its constants.
-    #[inline(always)]
-    pub fn slots(
-        &self,
-        slice: usize,
-    ) -> impl Iterator<Item = (usize, Slot<'a, Particle<f32>>, usize)> {
-        let slots = self.firsts[slice] as usize..self.firsts[slice + 1] as usize;
-        let each = self
-            .far
-            .slots(slots.clone())
-            .zip(&self.which[slots.clone()]);
-        slots
-            .zip(each)
-            .map(|(slot, (far, &which))| (slot, far, which as usize))
-    }
-
-    /// Stiffness of a slot \[N/m\].
-    #[inline(always)]
-    pub fn stiffness<V: Vector>(&self, which: usize, part: usize) -> V {
-        V::load(&self.stiffness[which], part)
-    }
-
-    /// Viscosity of a slot \[N·s/m\].
-    #[inline(always)]
-    pub fn damping<V: Vector>(&self, which: usize, part: usize) -> V {
-        V::load(&self.damping[which], part)
-    }
-
-    /// All springs of as many nodes as there are lanes, as if none had a limit, and whether none can have reached one.
-    #[inline(always)]
-    pub fn add_springs<V: Vector, const LIMITED: bool, const DAMPED: bool>(
-        &self,
-        (slice, part): (usize, usize),
-        mut nodes: Nodes<V>,
-        rest: &[Wide],
-        ranges: &[Range],
-    ) -> (Nodes<V>, bool) {
-        let mut within = V::ONE;
-        for (slot, far, which) in self.slots(slice) {
-            let rest = V::load(&rest[if LIMITED { slot } else { which }], part);
-            let trial = Trial::new(nodes.at, &far, part, rest);
-            let tension = spring::tension(self.stiffness(which, part), trial.elongation);
-            if LIMITED {
-                within = ranges[slot].keep(within, trial.elongation, rest);
-            }
-            nodes.pull(&trial, tension);
-            if DAMPED {
-                let rate = nodes.rate(&trial, &far, part);
-                nodes.damp(&trial, rate, self.damping(which, part));
-            }
-        }
-        (nodes, !LIMITED || within.all_above(V::ZERO))
-    }
+    (nodes, !R::LIMITED || within.all_above(V::ZERO))
 }

@@ -1,7 +1,11 @@
-//! The table of springs that the kernels read: sliced ELLPACK, rows are nodes.
+//! The table of springs that the kernels read: sliced ELLPACK form, rows are nodes.
 //!
 //! A slice is sixteen rows, a slot one spring of each of them. What fills up short rows, and what has broken, is a spring from
 //! a node to itself whose rest length is the least length there is: it has no direction and no tension.
+//!
+//! Where nodes are numbered as a lattice is, rows keep the order of nodes, and slots hold springs of one step, from each node to
+//! the one so many behind it ([`super::regular`]). A lane without such a spring then reads a node that has nothing to do with it,
+//! and has no stiffness.
 //!
 //! Constants lie in tables of distinct slots, so that a regular net streams hardly more than its indices. Rest
 //! length and flow of springs that can flow lie in both copies of a spring, where the pass reads and writes them; the
@@ -9,8 +13,11 @@
 //! them in the state alone would cost two scattered reads per spring and substep; keeping them in the table alone, a
 //! synchronisation before every look from outside. A state changed by other hands than the solver's wants a new table.
 
+use super::mirror::Mirror;
 use super::order::Adjacency;
-use super::vector::{Half, LANES, Places, Vector, Wide};
+use super::ranges::{Limits, Range, slack};
+use super::regular;
+use super::vector::{LANES, Places, Starts, Wide};
 use crate::body::state::State;
 use crate::solve::springs::{Limit, Link};
 use std::collections::HashMap;
@@ -18,9 +25,23 @@ use std::collections::HashMap;
 /// The least l² that counts \[m²\].
 pub const LEAST_SQUARE: f32 = 1e-30;
 
+/// The length of a spring from a node to itself, as the pass finds it.
+fn least_length() -> f32 {
+    LEAST_SQUARE.sqrt()
+}
+
 /// Springs of a body by rows.
 #[derive(Clone, Debug)]
 pub struct Sell {
+    pub(super) layout: Layout,
+    pub(super) limits: Option<Limits>,
+    /// Empty where no slice is regular.
+    pub(super) mirror: Mirror,
+}
+
+/// What does not change but by breaking.
+#[derive(Clone, Debug)]
+pub struct Layout {
     pub(super) nodes: usize,
     /// The first slot of each slice, and the end.
     pub(super) firsts: Vec<u32>,
@@ -29,242 +50,105 @@ pub struct Sell {
     pub(super) out: Places,
     /// Per slot the node at the other end of each spring.
     pub(super) far: Places,
+    /// Per slot of a regular slice where those begin in the mirror. Empty where no slice is regular.
+    pub(super) starts: Starts,
+    /// Per slice whether it is regular. Empty where none is.
+    pub(super) regular: Vec<bool>,
     /// Per slot which constants.
     pub(super) which: Vec<u32>,
     pub(super) stiffness: Vec<Wide>,
     /// Empty where nothing is damped.
     pub(super) damping: Vec<Wide>,
-    /// Empty where there are limits, which have them by slot.
+    /// Empty where there are limits, which have them by slot, but for regular slices.
     pub(super) rest: Vec<Wide>,
-    pub(super) limits: Option<Limits>,
     /// The row of each node.
     rows: Vec<u32>,
 }
 
-/// What springs that yield or break have besides, per slot.
-#[derive(Clone, Debug)]
-pub struct Limits {
-    /// Which spring; one behind the last for none.
-    pub springs: Places,
-    /// Rest length and accumulated flow \[m\].
-    pub rest: Vec<Wide>,
-    pub flow: Vec<Wide>,
-    pub ranges: Vec<Range>,
-    /// Per part of a slice whether a spring was out of its range in the last pass.
-    pub busy: Vec<[bool; 4]>,
-}
-
-/// No spring of a slot flows or breaks while its elongation over its rest length lies between these two; NaN where they are not
-/// known.
-#[derive(Clone, Copy, Debug)]
-pub struct Range {
-    least: f32,
-    most: f32,
-}
-
-impl Range {
-    const UNKNOWN: Self = Self {
-        least: f32::NAN,
-        most: f32::NAN,
-    };
-
-    /// What was `within`, or 0 for elongations out of range.
+impl Layout {
+    /// The slots of a slice.
     #[inline(always)]
-    pub fn keep<V: Vector>(&self, within: V, elongation: V, rest: V) -> V {
-        let [least, most] = [self.least, self.most].map(|x| V::of(x.into()) * rest);
-        let within = V::above(most, elongation, within, V::ZERO);
-        V::above(elongation, least, within, V::ZERO)
-    }
-
-    #[inline(always)]
-    pub fn forget(&mut self) {
-        *self = Self::UNKNOWN;
-    }
-
-    #[inline(always)]
-    pub fn is_known(&self) -> bool {
-        !self.most.is_nan()
+    pub fn slots(&self, slice: usize) -> std::ops::Range<usize> {
+        self.firsts[slice] as usize..self.firsts[slice + 1] as usize
     }
 }
 
-impl Limits {
-    /// Finds the range of a slot, which lies within what the law allows by more than the law is rounded.
-    #[inline(always)]
-    pub fn find_range<V: Vector>(&mut self, slot: usize, table: &[Limit<f32>], stiffness: &Wide) {
-        let Some(rows) = self.springs.of(table) else {
-            return;
-        };
-        let [mut most, mut least] = [V::of(f64::INFINITY), V::of(f64::NEG_INFINITY)];
-        let mut shortest = V::of(f64::INFINITY);
-        for part in 0..LANES / V::LANES {
-            let limits = rows.slot(slot);
-            let [tension, compression, hardening, _] = limits.columns::<V>(part, Half::First);
-            let [break_force, break_length, ..] = limits.columns::<V>(part, Half::Second);
-            let k = V::load(stiffness, part);
-            let rest = V::load(&self.rest[slot], part);
-            let grown = hardening * V::load(&self.flow[slot], part);
-            // A quotient 0/0 is of a spring without stiffness, which has no limit; `min` and `max` drop it.
-            let longest = ((tension + grown).min(break_force) / k).min(break_length - rest);
-            most = (longest / rest).min(most);
-            least = (-(compression + grown) / k / rest).max(least);
-            shortest = shortest.min(rest);
-        }
-        let (mut range, mut positive) = ([f32::NEG_INFINITY, f32::INFINITY], true);
-        for l in 0..V::LANES {
-            range[0] = range[0].max(least.lane(l) as f32);
-            range[1] = range[1].min(most.lane(l) as f32);
-            positive &= shortest.lane(l) > 0.0;
-        }
-        let margin = |x: f32| {
-            if x.is_finite() {
-                1e-5 * x.abs() + 1e-6
-            } else {
-                0.0
-            }
-        };
-        if positive {
-            self.ranges[slot] = Range {
-                least: range[0] + margin(range[0]),
-                most: range[1] - margin(range[1]),
-            };
-        }
-    }
+/// The springs, and how they are arranged.
+struct Builder<'a> {
+    links: &'a [Link<f32>],
+    table: &'a [Limit<f32>],
+    state: &'a State<f32>,
+    adjacency: Adjacency,
+    damped: bool,
+    distinct: HashMap<[[u32; LANES]; 4], u32>,
 }
 
-/// The length of a spring from a node to itself, as the pass finds it.
-fn least_length() -> f32 {
-    LEAST_SQUARE.sqrt()
-}
+/// A slot: in every lane a spring and the node at its other end, if there is one.
+type Ends = [Option<(u32, u32)>; LANES];
 
 impl Sell {
     /// The table of springs; `limits` is empty, or has one row more than there are springs. `None` for bodies too large for
     /// its indices.
     pub fn new(links: &[Link<f32>], limits: &[Limit<f32>], state: &State<f32>) -> Option<Self> {
         let nodes = state.particles.len();
-        // Broken springs keep their slots, so that a table made late has the order of one whose springs broke under way.
+        // Broken springs keep their slots, as do all that may break, so that a table made late has the order of one whose
+        // springs broke under way.
         let whole = |&(i, link): &(usize, &Link<f32>)| {
-            state.broken[i] || link.stiffness != 0.0 || link.damping != 0.0
+            state.broken[i] || !limits.is_empty() || link.stiffness != 0.0 || link.damping != 0.0
         };
         let springs = links.iter().enumerate().filter(whole);
         let adjacency = Adjacency::new(nodes, springs.map(|(i, l)| (i as u32, [l.a, l.b])));
-        let order = adjacency.rows();
-        let mut rows = vec![0; nodes];
-        for (row, &node) in order.iter().enumerate() {
-            rows[node as usize] = row as u32;
-        }
-        let damped = links.iter().any(|l| l.damping != 0.0);
-        let mut sell = Self {
-            nodes,
-            firsts: vec![0],
-            own: Places::new(nodes)?,
-            out: Places::new(nodes + 1)?,
-            far: Places::new(nodes)?,
-            which: Vec::new(),
-            stiffness: Vec::new(),
-            damping: Vec::new(),
-            rest: Vec::new(),
-            limits: if limits.is_empty() {
-                None
-            } else {
-                Some(Limits {
-                    springs: Places::new(limits.len())?,
-                    rest: Vec::new(),
-                    flow: Vec::new(),
-                    ranges: Vec::new(),
-                    busy: Vec::new(),
-                })
-            },
-            rows,
+        let steps = regular::steps(&adjacency);
+        let order = match &steps {
+            Some(_) => (0..nodes as u32).collect(),
+            None => adjacency.rows(),
         };
-        let mut distinct = HashMap::new();
-        for slice in order.chunks(LANES) {
-            sell.push_slice(slice, &adjacency, (links, state), damped, &mut distinct);
+        let mut builder = Builder {
+            links,
+            table: limits,
+            state,
+            adjacency,
+            damped: links.iter().any(|l| l.damping != 0.0),
+            distinct: HashMap::new(),
+        };
+        let mut sell = Self {
+            layout: Layout::empty(&order)?,
+            limits: match limits.is_empty() {
+                true => None,
+                false => Some(Limits::none(limits.len())?),
+            },
+            mirror: Mirror::default(),
+        };
+        if let Some(steps) = &steps {
+            let all = steps.iter().flatten().flatten();
+            let farthest = all.map(|s| s.unsigned_abs()).max().unwrap_or(0);
+            sell.mirror = Mirror::new(steps.len(), farthest as usize);
+            sell.layout.starts = sell.mirror.starts(steps.len())?;
+        }
+        for (i, slice) in order.chunks(LANES).enumerate() {
+            let steps = steps.as_ref().map(|s| s[i].as_deref());
+            builder.push_slice(&mut sell, slice, steps);
         }
         Some(sell)
     }
 
-    fn push_slice(
-        &mut self,
-        nodes: &[u32],
-        adjacency: &Adjacency,
-        (links, state): (&[Link<f32>], &State<f32>),
-        damped: bool,
-        distinct: &mut HashMap<[[u32; LANES]; 3], u32>,
-    ) {
-        let node = |lane: usize, otherwise: usize| {
-            let node = nodes.get(lane).map(|&n| n as usize);
-            node.unwrap_or(otherwise) as u32
-        };
-        self.own.push(std::array::from_fn(|l| node(l, 0)));
-        self.out.push(std::array::from_fn(|l| node(l, self.nodes)));
-        let longest = nodes.iter().map(|&n| adjacency.at(n).len()).max();
-        for slot in 0..longest.unwrap_or(0) {
-            let end = |lane: usize| {
-                let end = adjacency.at(*nodes.get(lane)?).get(slot).copied();
-                end.filter(|(spring, _)| !state.broken[*spring as usize])
-            };
-            let of = |value: fn(&Link<f32>) -> f32| {
-                Wide(std::array::from_fn(|l| {
-                    end(l).map_or(0.0, |(spring, _)| value(&links[spring as usize]))
-                }))
-            };
-            let rest = Wide(std::array::from_fn(|l| {
-                end(l).map_or(least_length(), |(spring, _)| state.rest[spring as usize])
-            }));
-            let (stiffness, damping) = (of(|l| l.stiffness), of(|l| l.damping));
-            self.far.push(std::array::from_fn(|l| {
-                end(l).map_or(node(l, 0), |(_, other)| other)
-            }));
-            // Rest lengths that can change are no constants.
-            let fixed = if self.limits.is_some() {
-                Wide([0.0; LANES])
-            } else {
-                rest
-            };
-            let key = [stiffness, damping, fixed].map(|w| w.0.map(f32::to_bits));
-            let next = self.stiffness.len() as u32;
-            let which = *distinct.entry(key).or_insert(next);
-            if which == next {
-                self.stiffness.push(stiffness);
-                if damped {
-                    self.damping.push(damping);
-                }
-                if self.limits.is_none() {
-                    self.rest.push(rest);
-                }
-            }
-            self.which.push(which);
-            if let Some(limits) = &mut self.limits {
-                let spring = |l| end(l).map_or(links.len() as u32, |(spring, _)| spring);
-                let flow = |l| end(l).map_or(0.0, |(spring, _)| state.flow[spring as usize]);
-                limits.springs.push(std::array::from_fn(spring));
-                limits.flow.push(Wide(std::array::from_fn(flow)));
-                limits.rest.push(rest);
-                limits.ranges.push(Range::UNKNOWN);
-            }
-        }
-        self.firsts.push(self.which.len() as u32);
-        if let Some(limits) = &mut self.limits {
-            limits.busy.push([true; 4]);
-        }
-    }
-
     /// Takes all force from a spring that has limits.
     pub(crate) fn cut(&mut self, spring: usize, link: &Link<f32>, table: &[Limit<f32>]) {
+        let Some(limits) = &mut self.limits else {
+            return;
+        };
         for node in [link.a, link.b] {
-            let row = self.rows[node as usize] as usize;
+            let row = self.layout.rows[node as usize] as usize;
             let (slice, lane) = (row / LANES, row % LANES);
-            for slot in self.firsts[slice] as usize..self.firsts[slice + 1] as usize {
-                let Some(limits) = &mut self.limits else {
-                    return;
-                };
+            for slot in self.layout.slots(slice) {
                 if limits.springs.row(slot, lane) == spring {
                     limits.springs.set(slot, lane, table.len() - 1);
                     limits.flow[slot].0[lane] = 0.0;
-                    self.far.set(slot, lane, node as usize);
+                    self.layout.far.set(slot, lane, node as usize);
                     limits.rest[slot].0[lane] = least_length();
                     limits.ranges[slot].forget();
                     limits.busy[slice] = [true; 4];
+                    limits.untouched[slice] = false;
                     break;
                 }
             }
@@ -274,13 +158,197 @@ impl Sell {
     /// Bytes of what a pass reads while nothing yields, and of all.
     pub(crate) fn bytes(&self) -> [usize; 2] {
         let wide = |table: &[Wide]| size_of_val(table);
-        let constants = wide(&self.stiffness) + wide(&self.damping) + wide(&self.rest);
-        let mut hot = self.far.bytes() + size_of_val(&self.which[..]) + constants;
-        let mut rare = self.own.bytes() + self.out.bytes() + size_of_val(&self.rows[..]);
+        let l = &self.layout;
+        let constants = wide(&l.stiffness) + wide(&l.damping) + wide(&l.rest);
+        let mut hot = size_of_val(&l.which[..]) + l.starts.bytes() + constants;
+        let mut rare = l.own.bytes() + l.out.bytes() + size_of_val(&l.rows[..]);
+        let regular = !l.regular.is_empty();
+        *(if regular { &mut rare } else { &mut hot }) += l.far.bytes();
+        rare += self.mirror.columns.bytes();
         if let Some(limits) = &self.limits {
-            hot += wide(&limits.rest) + size_of_val(&limits.ranges[..]);
+            let by_slot = wide(&limits.rest) + size_of_val(&limits.ranges[..]);
+            *(if regular { &mut rare } else { &mut hot }) += by_slot;
+            hot += wide(&limits.slacks);
             rare += wide(&limits.flow) + limits.springs.bytes();
+            rare += size_of_val(&limits.telling[..]);
         }
         [hot, hot + rare]
+    }
+}
+
+impl Layout {
+    fn empty(order: &[u32]) -> Option<Self> {
+        let nodes = order.len();
+        let mut rows = vec![0; nodes];
+        for (row, &node) in order.iter().enumerate() {
+            rows[node as usize] = row as u32;
+        }
+        Some(Self {
+            nodes,
+            firsts: vec![0],
+            own: Places::new(nodes)?,
+            out: Places::new(nodes + 1)?,
+            far: Places::new(nodes)?,
+            starts: Starts::default(),
+            regular: Vec::new(),
+            which: Vec::new(),
+            stiffness: Vec::new(),
+            damping: Vec::new(),
+            rest: Vec::new(),
+            rows,
+        })
+    }
+}
+
+impl Builder<'_> {
+    /// `steps` is there for bodies with regular slices, and in it something for those slices.
+    fn push_slice(&mut self, sell: &mut Sell, nodes: &[u32], steps: Option<Option<&[i32]>>) {
+        let layout = &mut sell.layout;
+        let slice = layout.firsts.len() - 1;
+        let node = |lane: usize, otherwise: usize| {
+            let node = nodes.get(lane).map(|&n| n as usize);
+            node.unwrap_or(otherwise) as u32
+        };
+        layout.own.push(std::array::from_fn(|l| node(l, 0)));
+        layout
+            .out
+            .push(std::array::from_fn(|l| node(l, layout.nodes)));
+        let first = layout.which.len();
+        let whole = |&(spring, _): &(u32, u32)| !self.state.broken[spring as usize];
+        let mut untouched = false;
+        match steps {
+            Some(Some(steps)) => {
+                for &step in steps {
+                    let at = |lane: usize| {
+                        let node = *nodes.get(lane)?;
+                        let mut ends = self.adjacency.at(node).iter();
+                        let other = (node as i32).wrapping_add(step) as u32;
+                        ends.find(|(_, o)| *o == other).copied().filter(whole)
+                    };
+                    let ends = std::array::from_fn(at);
+                    self.push_slot(sell, nodes, &ends, true);
+                    sell.layout.starts.push(sell.mirror.start(slice, step));
+                }
+                let flows =
+                    |end: &(u32, u32)| self.state.flow[end.0 as usize] != 0.0 || !whole(end);
+                let mut ends = nodes.iter().flat_map(|&n| self.adjacency.at(n));
+                untouched = !ends.any(flows);
+            }
+            _ => {
+                let longest = nodes.iter().map(|&n| self.adjacency.at(n).len()).max();
+                for slot in 0..longest.unwrap_or(0) {
+                    let end = |lane: usize| self.adjacency.at(*nodes.get(lane)?).get(slot).copied();
+                    let at = |lane: usize| end(lane).filter(whole);
+                    let ends = std::array::from_fn(at);
+                    self.push_slot(sell, nodes, &ends, false);
+                    if steps.is_some() {
+                        sell.layout.starts.push(0);
+                    }
+                }
+            }
+        }
+        let layout = &mut sell.layout;
+        layout.firsts.push(layout.which.len() as u32);
+        if let Some(steps) = steps {
+            layout.regular.push(steps.is_some());
+        }
+        if let Some(limits) = &mut sell.limits {
+            // What is untouched is known to be in its range until the pass finds out.
+            limits
+                .busy
+                .push([!untouched || first == layout.which.len(); 4]);
+            limits.untouched.push(untouched);
+        }
+    }
+
+    fn push_slot(&mut self, sell: &mut Sell, nodes: &[u32], ends: &Ends, regular: bool) {
+        let layout = &mut sell.layout;
+        let own = |lane: usize| nodes.get(lane).copied().unwrap_or(0);
+        let of = |value: fn(&Link<f32>) -> f32| {
+            let each =
+                ends.map(|e| e.map_or(0.0, |(spring, _)| value(&self.links[spring as usize])));
+            Wide(each)
+        };
+        let rest =
+            Wide(ends.map(|e| e.map_or(least_length(), |(s, _)| self.state.rest[s as usize])));
+        let (stiffness, damping) = (of(|l| l.stiffness), of(|l| l.damping));
+        layout.far.push(std::array::from_fn(|l| {
+            ends[l].map_or(own(l), |(_, other)| other)
+        }));
+        // Rest lengths that can change are no constants, but for those of regular slices until something changes.
+        let limited = sell.limits.is_some();
+        let none = Wide([0.0; LANES]);
+        let fixed = if regular || !limited { rest } else { none };
+        let slacks = if regular && limited {
+            self.slacks(ends)
+        } else {
+            none
+        };
+        let key = [stiffness, damping, fixed, slacks].map(|w| w.0.map(f32::to_bits));
+        let next = layout.stiffness.len() as u32;
+        let which = *self.distinct.entry(key).or_insert(next);
+        let has_regular = !layout.regular.is_empty() || regular;
+        if which == next {
+            layout.stiffness.push(stiffness);
+            if self.damped {
+                layout.damping.push(damping);
+            }
+            if !limited || has_regular {
+                layout.rest.resize(next as usize, none);
+                layout.rest.push(fixed);
+            }
+        }
+        layout.which.push(which);
+        if let Some(limits) = &mut sell.limits {
+            if which == next && has_regular {
+                limits.slacks.resize(next as usize, none);
+                limits.slacks.push(slacks);
+            }
+            limits.push_slot(ends, own, (self.links.len(), self.state), rest);
+        }
+    }
+
+    /// The slack of the springs of a slot; without end where there is none.
+    fn slacks(&self, ends: &Ends) -> Wide {
+        Wide(ends.map(|e| {
+            e.map_or(f32::INFINITY, |(spring, _)| {
+                let i = spring as usize;
+                slack(&self.table[i], self.links[i].stiffness, self.state.rest[i])
+            })
+        }))
+    }
+}
+
+impl Limits {
+    fn none(springs: usize) -> Option<Self> {
+        Some(Self {
+            springs: Places::new(springs)?,
+            telling: Vec::new(),
+            rest: Vec::new(),
+            flow: Vec::new(),
+            ranges: Vec::new(),
+            slacks: Vec::new(),
+            busy: Vec::new(),
+            untouched: Vec::new(),
+        })
+    }
+
+    fn push_slot(
+        &mut self,
+        ends: &Ends,
+        own: impl Fn(usize) -> u32,
+        (none, state): (usize, &State<f32>),
+        rest: Wide,
+    ) {
+        let springs = ends.map(|e| e.map_or(none as u32, |(spring, _)| spring));
+        self.springs.push(springs);
+        let tells = |l: usize| ends[l].is_some_and(|(_, other)| own(l) < other);
+        let bits = (0..LANES).map(|l| u16::from(tells(l)) << l);
+        self.telling.push(bits.sum());
+        self.flow.push(Wide(
+            ends.map(|e| e.map_or(0.0, |(s, _)| state.flow[s as usize])),
+        ));
+        self.rest.push(rest);
+        self.ranges.push(Range::UNKNOWN);
     }
 }

@@ -314,6 +314,29 @@ fn includes_that_lead_nowhere_are_located() {
     }
 }
 
+/// What would be a guess is an error with its place.
+#[test]
+fn a_seed_that_is_a_formula_and_an_axis_that_vanishes_are_located() {
+    for (text, key) in [
+        (
+            "(variables: (run: 3), world: (seed: \"run\"))",
+            "world.seed",
+        ),
+        (
+            "(rigid: [(name: \"a\"), (name: \"b\")], joints: [(kind: Revolute((1e-30, 0, 0)), a: \"a\", b: \"b\")])",
+            "joints",
+        ),
+        (
+            "(rigid: [(name: \"a\")], actuators: [Force(on: \"a\", force: ([(0, 1e300)], 0, 0))])",
+            "actuators",
+        ),
+    ] {
+        let error = Scenario::parse(text, Path::new("a.ron"), &LoadOptions::default());
+        let shown = error.unwrap_err().to_string();
+        assert!(shown.contains(key) && shown.contains("a.ron:1"), "{shown}");
+    }
+}
+
 /// What can be read but not built names the thing.
 #[test]
 fn what_cant_be_built_is_named() {
@@ -355,6 +378,14 @@ fn what_cant_be_built_is_named() {
         (
             "(rigid: [(name: \"a\", colliders: [(shape: HalfSpace(normal: (0, 0, 0)))])])",
             "normal",
+        ),
+        (
+            "(rigid: [(name: \"a\", colliders: [(shape: Compound([(shape: Polyline(points: [(0, 0, 0), (1, 0, 0)]))]))])])",
+            "part of a compound",
+        ),
+        (
+            "(rigid: [(name: \"a\", colliders: [(shape: Voxels(size: (1, 1, 1), points: [(1e30, 0, 0)]))])])",
+            "voxel",
         ),
     ] {
         let shown = error(text);

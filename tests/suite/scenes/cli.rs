@@ -57,6 +57,41 @@ fn mistakes_are_named() {
 }
 
 #[test]
+fn the_speed_is_measured_and_written() {
+    let file = folder("speed.json");
+    let path = file.to_str().unwrap();
+    let output = crumple(&["speed", "--tiny", "--json", path]);
+    assert!(output.status.success());
+    let table = String::from_utf8(output.stdout).unwrap();
+    for part in [
+        "scalar loop",
+        "portable",
+        "cloth",
+        "block",
+        "wall",
+        "roofline",
+    ] {
+        assert!(table.contains(part), "{table}");
+    }
+    let text = std::fs::read_to_string(&file).unwrap();
+    let speed: serde_json::Value = serde_json::from_str(&text).unwrap();
+    for key in [
+        "kernel_lattice_vs_scalar",
+        "block10_vs_rapier",
+        "roofline_share",
+    ] {
+        assert!(
+            speed[key].as_f64().is_some_and(|r| r > 0.0),
+            "{key}: {text}"
+        );
+    }
+    assert!(speed["cpu"].is_string() && speed["kernel"].is_string());
+    let inside = format!("{path}/none.json");
+    std::fs::remove_file(&file).unwrap();
+    fails(&["speed", "--json", &inside], &["can't write", &inside]);
+}
+
+#[test]
 fn a_run_writes_everything() {
     let out = folder("wall");
     let output = crumple(&["run", "wall", "--out", out.to_str().unwrap()]);

@@ -39,6 +39,25 @@ pub const STONE: &str = r#"(
     ],
 )"#;
 
+/// Forces on one rigid body add up.
+#[test]
+fn two_forces_on_one_body_both_act() {
+    let scene = r#"(
+        world: (gravity: (0, 0, 0), duration: 1),
+        rigid: [(name: "box", colliders: [(shape: Ball(0.1), mass: 2)])],
+        actuators: [Force(on: "box", force: (4, 0, 0)), Force(on: "box", force: (0, 2, 0))],
+        probes: [(name: "x", of: Position(of: "box", axis: X)), (name: "y", of: Position(of: "box", axis: Y))],
+        expect: [
+            (name: "x", that: Final("x"), equals: 1, within: 0.02),
+            (name: "y", that: Final("y"), equals: 0.5, within: 0.01),
+        ],
+    )"#;
+    let options = LoadOptions::default();
+    let scene = Scenario::parse(scene, std::path::Path::new("a.ron"), &options).unwrap();
+    let outcome = scene.run().unwrap();
+    assert!(outcome.passed(), "{outcome}");
+}
+
 #[test]
 fn the_crate_has_every_file_of_the_catalog() {
     let files = scenes_in(CATALOG).unwrap();

@@ -187,6 +187,16 @@ fn deformable<'a>(
 }
 
 impl Act {
+    /// Takes back what it did to the last step. All acts do so before the first acts: forces on one body add up.
+    pub fn end(&self, run: &mut Run) {
+        if let Self::PushRigid { body, .. } = self
+            && let Some(body) = run.world.bodies.get_mut(*body)
+        {
+            body.reset_forces(false);
+            body.reset_torques(false);
+        }
+    }
+
     /// Acts on the coming step.
     pub fn apply(&self, run: &mut Run) {
         // Whole steps: the sum of Rapier's, which are `f32`, drifts by 1e-8.
@@ -199,8 +209,6 @@ impl Act {
                 torque,
             } => {
                 if let Some(body) = run.world.bodies.get_mut(*body) {
-                    body.reset_forces(false);
-                    body.reset_torques(false);
                     let (force, torque) = (at(force, middle), at(torque, middle));
                     // A force of nothing must not keep a body awake.
                     body.add_force(force, force != Vector::ZERO);

@@ -167,6 +167,7 @@ fn build(scene: &Scenario) -> Result<Run, RunError> {
     let acts = acts::prepare(scene, &run, &joints)?;
     if !acts.is_empty() {
         run.lead = Some(Box::new(move |run| {
+            acts.iter().for_each(|act| act.end(run));
             acts.iter().for_each(|act| act.apply(run));
         }));
     }

@@ -87,12 +87,8 @@ pub(super) fn shape(shape: &Shape, name: &str) -> Result<SharedShape, RunError> 
             hull.ok_or(wrong("the points have no hull with a volume"))?
         }
         Shape::Decomposition(mesh) => decomposition(mesh, name)?,
-        Shape::Voxels { size, points: list } if list.is_empty() || list.len() > 1_000_000 => {
-            let _ = size;
-            return Err(wrong("voxels need from one to a million points"));
-        }
         Shape::Voxels { size, points: list } => {
-            SharedShape::voxels_from_points(vector(*size), &points(list))
+            voxels(vector(*size), &points(list)).map_err(wrong)?
         }
         Shape::Compound(parts) => compound(parts, name)?,
     })
@@ -103,6 +99,20 @@ fn cuboid(half: Vector, border: Real) -> SharedShape {
         0.0 => SharedShape::cuboid(half.x, half.y, half.z),
         border => SharedShape::round_cuboid(half.x, half.y, half.z, border),
     }
+}
+
+fn voxels(size: Vector, points: &[Vector]) -> Result<SharedShape, &'static str> {
+    if points.is_empty() || points.len() > 1_000_000 {
+        return Err("voxels need from one to a million points");
+    }
+    // Their coordinates are counted in `i32`, with room for neighbours.
+    if points
+        .iter()
+        .any(|p| (*p / size).abs().max_element() >= 1.0e9)
+    {
+        return Err("a voxel must be less than a thousand million sizes from the middle");
+    }
+    Ok(SharedShape::voxels_from_points(size, points))
 }
 
 fn field(heights: &[Vec<f64>], size: [f64; 3]) -> Result<SharedShape, &'static str> {
@@ -136,15 +146,16 @@ fn decomposition(mesh: &Mesh, name: &str) -> Result<SharedShape, RunError> {
 
 fn compound(parts: &[Placed], name: &str) -> Result<SharedShape, RunError> {
     let part = |p: &Placed| {
-        if matches!(p.shape, Shape::Compound(_)) {
-            return Err(RunError::Shape {
-                name: name.into(),
-                what: "a compound can't be a part of another one",
-            });
-        }
         let turn = Rotation::from_scaled_axis(vector(p.rotation));
         let pose = Pose::from_parts(vector(p.translation), turn);
-        Ok((pose, shape(&p.shape, name)?))
+        let made = shape(&p.shape, name)?;
+        if made.as_composite_shape().is_some() {
+            return Err(RunError::Shape {
+                name: name.into(),
+                what: "a part of a compound can't itself be a compound, a mesh or a polyline",
+            });
+        }
+        Ok((pose, made))
     };
     let parts: Result<Vec<_>, _> = parts.iter().map(part).collect();
     Ok(SharedShape::compound(parts?))

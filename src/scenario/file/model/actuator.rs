@@ -87,7 +87,10 @@ impl Decode for Signal {
             Value::List(_) => {
                 let points = Vec::<[f64; 2]>::decode(node, d)?;
                 let rising = points.windows(2).all(|p| p[0][0] < p[1][0]);
-                if points.is_empty() || !rising || !points.iter().flatten().all(|x| x.is_finite()) {
+                if points.is_empty()
+                    || !rising
+                    || !points.iter().flatten().all(|x| (*x as f32).is_finite())
+                {
                     let what = "a table needs points [t, value] with finite numbers and rising t";
                     d.wrong(node.at, |_| what.into());
                     return None;

@@ -4,6 +4,7 @@ use super::super::check::{FINITE, NOT_NEGATIVE, POSITIVE, RIGID};
 use super::super::decode::Decoder;
 use super::super::schema::{choice, record};
 use super::super::tree::Node;
+use crate::math::Vector;
 
 record! {
     /// A joint of two rigid bodies.
@@ -78,7 +79,11 @@ fn fits(joint: &Joint, node: &Node, d: &mut Decoder) -> Option<()> {
         JointKind::Revolute(axis) | JointKind::Prismatic(axis) => Some(axis),
         _ => None,
     };
-    let complaint = if axis.is_some_and(|a| a.iter().all(|x| *x == 0.0)) {
+    let complaint = if axis.is_some_and(|a| {
+        Vector::from_array(a.map(|x| x as f32))
+            .try_normalize()
+            .is_none()
+    }) {
         "the axis has no length"
     } else if axis.is_none() && (joint.motor.is_some() || joint.limits.is_some()) {
         "only hinges and sliders have limits and motors"

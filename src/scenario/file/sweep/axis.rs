@@ -24,6 +24,9 @@ pub enum AxisError {
     /// A value is no number.
     #[error("`{0}` is no finite number")]
     Number(String),
+    /// A variable has no values.
+    #[error("the variable `{0}` has no values")]
+    Empty(String),
     /// One variable has two axes.
     #[error("the variable `{0}` is set twice")]
     Twice(String),
@@ -85,9 +88,12 @@ pub struct Variant {
 /// Every combination of the values, those of the last axis changing first.
 ///
 /// # Errors
-/// [`AxisError`]: a variable twice, or more than a million variants.
+/// [`AxisError`]: a variable twice or without values, or more than a million variants.
 pub fn variants(axes: &[SweepAxis]) -> Result<Vec<Variant>, AxisError> {
     for (i, axis) in axes.iter().enumerate() {
+        if axis.values.is_empty() {
+            return Err(AxisError::Empty(axis.name.clone()));
+        }
         if axes[..i].iter().any(|a| a.name == axis.name) {
             return Err(AxisError::Twice(axis.name.clone()));
         }
@@ -152,6 +158,11 @@ mod tests {
             variants(&[axes[0].clone(), axes[0].clone()]),
             Err(AxisError::Twice(_))
         ));
+        let empty = SweepAxis {
+            name: "x".into(),
+            values: Vec::new(),
+        };
+        assert!(matches!(variants(&[empty]), Err(AxisError::Empty(_))));
         let large = SweepAxis {
             name: "x".into(),
             values: vec![0.0; 2000],

@@ -151,7 +151,9 @@ fn whole_lines(path: &Path) -> Result<File, SweepError> {
 /// The finished variants of a folder with their lines, in the order of the log.
 pub(super) fn read(folder: &Path) -> Result<Vec<(usize, String)>, SweepError> {
     let path = folder.join(RESULTS);
-    let text = std::fs::read_to_string(&path).map_err(failed(&path))?;
+    // A line cut short may end within a character.
+    let bytes = std::fs::read(&path).map_err(failed(&path))?;
+    let text = String::from_utf8_lossy(&bytes);
     let whole = text.split_inclusive('\n').filter(|l| l.ends_with('\n'));
     let lines = whole.filter_map(|line| {
         let value: Value = serde_json::from_str(line).ok()?;

@@ -1,0 +1,114 @@
+//! Springs with limits by slots, and in which range of elongation nothing happens to them.
+
+use super::vector::{Half, LANES, Places, Vector, Wide};
+use crate::solve::springs::Limit;
+
+/// What springs that yield or break have besides, per slot.
+#[derive(Clone, Debug)]
+pub struct Limits {
+    /// Which spring; one behind the last for none.
+    pub springs: Places,
+    /// Per slot one bit for each lane whose copy of a spring is the one that writes to the state: that of the lower node.
+    pub telling: Vec<u16>,
+    /// Rest length and accumulated flow \[m\].
+    pub rest: Vec<Wide>,
+    pub flow: Vec<Wide>,
+    pub ranges: Vec<Range>,
+    /// Per set of constants the slack of each lane, see [`slack`]. Empty where no slice is regular.
+    pub slacks: Vec<Wide>,
+    /// Per part of a slice whether a spring was out of its range in the last pass.
+    pub busy: Vec<[bool; 4]>,
+    /// Per slice whether it is regular and no spring of it has ever gone beyond its slack, so that all have the rest lengths of
+    /// the constants.
+    pub untouched: Vec<bool>,
+}
+
+/// No spring of a slot flows or breaks while its elongation over its rest length lies between these two; NaN where they are not
+/// known.
+#[derive(Clone, Copy, Debug)]
+pub struct Range {
+    least: f32,
+    most: f32,
+}
+
+/// By how much a spring may be longer or shorter than at rest, at most, while nothing happens to it \[m\], if it has not flowed:
+/// less than the law allows by more than the law is rounded.
+pub fn slack(limit: &Limit<f32>, stiffness: f32, rest: f32) -> f32 {
+    // A quotient 0/0 is of a spring without stiffness, which has no limit; `min` drops it.
+    let force = limit.yields.tension.min(limit.yields.compression);
+    let most = (force.min(limit.break_force) / stiffness).min(limit.break_length - rest);
+    if most < f32::INFINITY {
+        most - (1e-5 * most.abs() + 1e-6 * rest.abs())
+    } else {
+        f32::INFINITY
+    }
+}
+
+impl Range {
+    pub const UNKNOWN: Self = Self {
+        least: f32::NAN,
+        most: f32::NAN,
+    };
+
+    /// What was `within`, or 0 for elongations out of range.
+    #[inline(always)]
+    pub fn keep<V: Vector>(&self, within: V, elongation: V, rest: V) -> V {
+        let [least, most] = [self.least, self.most].map(|x| V::of(x.into()) * rest);
+        let within = V::above(most, elongation, within, V::ZERO);
+        V::above(elongation, least, within, V::ZERO)
+    }
+
+    #[inline(always)]
+    pub fn forget(&mut self) {
+        *self = Self::UNKNOWN;
+    }
+
+    #[inline(always)]
+    pub fn is_known(&self) -> bool {
+        !self.most.is_nan()
+    }
+}
+
+impl Limits {
+    /// Finds the range of a slot, which lies within what the law allows by more than the law is rounded.
+    #[inline(always)]
+    pub fn find_range<V: Vector>(&mut self, slot: usize, table: &[Limit<f32>], stiffness: &Wide) {
+        let Some(rows) = self.springs.of(table) else {
+            return;
+        };
+        let [mut most, mut least] = [V::of(f64::INFINITY), V::of(f64::NEG_INFINITY)];
+        let mut shortest = V::of(f64::INFINITY);
+        for part in 0..LANES / V::LANES {
+            let limits = rows.slot(slot);
+            let [tension, compression, hardening, _] = limits.columns::<V>(part, Half::First);
+            let [break_force, break_length, ..] = limits.columns::<V>(part, Half::Second);
+            let k = V::load(stiffness, part);
+            let rest = V::load(&self.rest[slot], part);
+            let grown = hardening * V::load(&self.flow[slot], part);
+            // A quotient 0/0 is of a spring without stiffness, which has no limit; `min` and `max` drop it.
+            let longest = ((tension + grown).min(break_force) / k).min(break_length - rest);
+            most = (longest / rest).min(most);
+            least = (-(compression + grown) / k / rest).max(least);
+            shortest = shortest.min(rest);
+        }
+        let (mut range, mut positive) = ([f32::NEG_INFINITY, f32::INFINITY], true);
+        for l in 0..V::LANES {
+            range[0] = range[0].max(least.lane(l) as f32);
+            range[1] = range[1].min(most.lane(l) as f32);
+            positive &= shortest.lane(l) > 0.0;
+        }
+        let margin = |x: f32| {
+            if x.is_finite() {
+                1e-5 * x.abs() + 1e-6
+            } else {
+                0.0
+            }
+        };
+        if positive {
+            self.ranges[slot] = Range {
+                least: range[0] + margin(range[0]),
+                most: range[1] - margin(range[1]),
+            };
+        }
+    }
+}

@@ -1,0 +1,212 @@
+//! Rows of 32 bytes, fetched and written column by column at places that are known to be inside.
+
+use super::{LANES, Vector};
+use crate::body::state::Particle;
+use crate::solve::forces::Force;
+use crate::solve::springs::Limit;
+use crate::solve::stable::Rates;
+use std::ops::Range;
+
+/// Eight numbers in 32 aligned bytes, read as two rows of four.
+///
+/// # Safety
+/// The type must be 32 bytes of initialised `f32`, aligned to 32 bytes, and any `f32` must be allowed in each place.
+pub unsafe trait Row: Copy {}
+
+/// Checked by the compiler: size and alignment. The types are `repr(C)` and have eight `f32` and nothing else.
+macro_rules! row {
+    ($t:ty) => {
+        // SAFETY: as said above.
+        unsafe impl Row for $t {}
+        const _: () = assert!(size_of::<$t>() == 32 && align_of::<$t>() == 32);
+    };
+}
+row!(Particle<f32>);
+row!(Force<f32>);
+row!(Limit<f32>);
+row!(Rates<f32>);
+
+/// Which four numbers of a row.
+#[derive(Clone, Copy)]
+pub enum Half {
+    /// The first four.
+    First = 0,
+    /// The last four.
+    Second = 4,
+}
+
+/// Indices of rows, [`LANES`] side by side, as offsets in bytes.
+#[derive(Clone, Debug, Default)]
+pub struct Places {
+    offsets: Vec<Offsets>,
+    /// Every offset is that of one of so many rows.
+    rows: usize,
+}
+
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+struct Offsets([u32; LANES]);
+
+/// Bytes of a row.
+const BYTES: u32 = 32;
+
+impl Places {
+    /// Places in tables of at least `rows` rows; `None` if there are more than offsets of 32 bits reach.
+    pub fn new(rows: usize) -> Option<Self> {
+        (rows <= u32::MAX as usize / BYTES as usize).then_some(Self {
+            offsets: Vec::new(),
+            rows,
+        })
+    }
+
+    /// Adds rows, which must be there.
+    pub fn push(&mut self, rows: [u32; LANES]) {
+        assert!(rows.iter().all(|&r| (r as usize) < self.rows));
+        self.offsets.push(Offsets(rows.map(|r| r * BYTES)));
+    }
+
+    /// Puts another row, which must be there, in a lane.
+    pub fn set(&mut self, slot: usize, lane: usize, row: usize) {
+        assert!(row < self.rows);
+        self.offsets[slot].0[lane] = row as u32 * BYTES;
+    }
+
+    /// The row in a lane.
+    #[inline(always)]
+    pub fn row(&self, slot: usize, lane: usize) -> usize {
+        (self.offsets[slot].0[lane] / BYTES) as usize
+    }
+
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.offsets[..])
+    }
+
+    /// These places in a table; `None` if it has too few rows.
+    pub fn of<'a, R: Row>(&'a self, rows: &'a [R]) -> Option<Reader<'a, R>> {
+        (rows.len() >= self.rows).then_some(Reader {
+            offsets: &self.offsets,
+            rows,
+        })
+    }
+
+    /// The same to write to.
+    pub fn of_mut<'a, R: Row>(&'a self, rows: &'a mut [R]) -> Option<Writer<'a, R>> {
+        (rows.len() >= self.rows).then_some(Writer {
+            offsets: &self.offsets,
+            rows,
+        })
+    }
+}
+
+/// Rows to read by [`Places`] that are all inside.
+#[derive(Clone, Copy)]
+pub struct Reader<'a, R> {
+    offsets: &'a [Offsets],
+    rows: &'a [R],
+}
+
+impl<'a, R: Row> Reader<'a, R> {
+    /// What a slot has in its lanes.
+    #[inline(always)]
+    pub fn slot(&self, slot: usize) -> Slot<'a, R> {
+        Slot {
+            offsets: &self.offsets[slot],
+            rows: self.rows,
+        }
+    }
+
+    /// What some slots have.
+    #[inline(always)]
+    pub fn slots(&self, slots: Range<usize>) -> impl Iterator<Item = Slot<'a, R>> {
+        let rows = self.rows;
+        let slots = self.offsets[slots].iter();
+        slots.map(move |offsets| Slot { offsets, rows })
+    }
+}
+
+/// One slot of a [`Reader`].
+#[derive(Clone, Copy)]
+pub struct Slot<'a, R> {
+    offsets: &'a Offsets,
+    rows: &'a [R],
+}
+
+impl<R: Row> Slot<'_, R> {
+    /// Half of the rows of a part, column by column.
+    #[inline(always)]
+    pub fn columns<V: Vector>(&self, part: usize, half: Half) -> [V; 4] {
+        let base = self.rows.as_ptr().cast::<u8>();
+        let offsets = &self.offsets.0[part * V::LANES..][..V::LANES];
+        // SAFETY: only `Places::push` and `set` write offsets, each that of one of `Places::rows` rows, and the reader
+        // was made for at least so many. So the row is inside `rows`; half of it is four numbers (`Row`).
+        unsafe {
+            V::columns(|l| {
+                base.add(offsets[l] as usize)
+                    .cast::<f32>()
+                    .add(half as usize)
+            })
+        }
+    }
+}
+
+/// Rows to write by [`Places`] that are all inside.
+pub struct Writer<'a, R> {
+    offsets: &'a [Offsets],
+    rows: &'a mut [R],
+}
+
+impl<R: Row> Writer<'_, R> {
+    /// Sixteen rows that lie together, from one on; `None` where there are fewer.
+    #[inline(always)]
+    pub fn together(&mut self, first: usize) -> Option<&mut [R; LANES]> {
+        self.rows.get_mut(first..)?.first_chunk_mut()
+    }
+
+    /// Writes half of the rows of a part of a slot. Where two lanes have one row the last counts.
+    #[inline(always)]
+    pub fn put<V: Vector>(&mut self, slot: usize, part: usize, half: Half, columns: [V; 4]) {
+        let base = self.rows.as_mut_ptr().cast::<u8>();
+        let offsets = &self.offsets[slot].0[part * V::LANES..][..V::LANES];
+        // SAFETY: as in `Slot::columns`; the rows are borrowed for writing, and may hold any numbers (`Row`).
+        unsafe {
+            V::put_columns(columns, |l| {
+                base.add(offsets[l] as usize)
+                    .cast::<f32>()
+                    .add(half as usize)
+            });
+        }
+    }
+}
+
+/// Both halves of a part of sixteen rows that lie together, column by column.
+#[inline(always)]
+pub fn columns<V: Vector, R: Row>(rows: &[R; LANES], part: usize) -> [[V; 4]; 2] {
+    let rows = &rows[part * V::LANES..][..V::LANES];
+    // SAFETY: there is a row for each lane, and each is eight numbers (`Row`).
+    unsafe { V::columns_of_eight(rows.as_ptr().cast()) }
+}
+
+/// Writes both halves of a part of sixteen rows that lie together.
+#[inline(always)]
+pub fn put<V: Vector, R: Row>(rows: &mut [R; LANES], part: usize, columns: [[V; 4]; 2]) {
+    let rows = &mut rows[part * V::LANES..][..V::LANES];
+    // SAFETY: as in `columns`, borrowed for writing.
+    unsafe { V::put_eight(columns, rows.as_mut_ptr().cast()) }
+}
+
+/// Part of sixteen times four numbers that lie together, column by column.
+#[inline(always)]
+pub fn columns_of_four<V: Vector>(rows: &[[f32; 4]; LANES], part: usize) -> [V; 4] {
+    let rows = &rows[part * V::LANES..][..V::LANES];
+    // SAFETY: there are four numbers for each lane.
+    unsafe { V::columns_of_four(rows.as_ptr().cast()) }
+}
+
+/// Writes part of sixteen times four numbers that lie together.
+#[inline(always)]
+pub fn put_four<V: Vector>(rows: &mut [[f32; 4]; LANES], part: usize, columns: [V; 4]) {
+    let rows = &mut rows[part * V::LANES..][..V::LANES];
+    // SAFETY: as in `columns_of_four`, borrowed for writing.
+    unsafe { V::put_four(columns, rows.as_mut_ptr().cast()) }
+}

@@ -1,0 +1,141 @@
+//! Numbers of nodes column by column, read sixteen at a time from places that are known to be inside.
+
+use super::{LANES, Vector};
+use std::ops::Range;
+
+/// Six columns of as many numbers: places and velocities.
+#[derive(Clone, Debug, Default)]
+pub struct Columns {
+    numbers: Vec<f32>,
+    /// Of a column.
+    length: usize,
+}
+
+/// Which three columns.
+#[derive(Clone, Copy)]
+pub enum Three {
+    /// Places.
+    First = 0,
+    /// Velocities.
+    Second = 3,
+}
+
+impl Columns {
+    /// Zeros.
+    pub fn new(length: usize) -> Self {
+        Self {
+            numbers: vec![0.0; 6 * length],
+            length,
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.length == 0
+    }
+
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.numbers[..])
+    }
+
+    /// Writes three columns from a place on.
+    #[inline(always)]
+    pub fn put<V: Vector>(&mut self, from: usize, which: Three, values: [V; 3]) {
+        for (k, value) in values.into_iter().enumerate() {
+            value.store_to(&mut self.numbers[(which as usize + k) * self.length + from..]);
+        }
+    }
+}
+
+/// Places in columns from which on sixteen numbers are read.
+#[derive(Clone, Debug, Default)]
+pub struct Starts {
+    starts: Vec<u32>,
+    /// All sixteen are inside columns of this length.
+    length: usize,
+}
+
+impl Starts {
+    /// Places in columns of a length; `None` if it is too long for numbers of 32 bits.
+    pub fn new(length: usize) -> Option<Self> {
+        (length <= u32::MAX as usize).then_some(Self {
+            starts: Vec::new(),
+            length,
+        })
+    }
+
+    /// Adds a place, which must be there.
+    pub fn push(&mut self, start: usize) {
+        assert!(start + LANES <= self.length);
+        self.starts.push(start as u32);
+    }
+
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.starts[..])
+    }
+
+    /// These places in columns; `None` if those are not of the length.
+    pub fn of<'a>(&'a self, columns: &'a Columns) -> Option<Runs<'a>> {
+        (columns.length == self.length).then_some(Runs {
+            starts: &self.starts,
+            columns,
+        })
+    }
+}
+
+/// Columns to read by [`Starts`] that are all inside.
+#[derive(Clone, Copy)]
+pub struct Runs<'a> {
+    starts: &'a [u32],
+    columns: &'a Columns,
+}
+
+impl<'a> Runs<'a> {
+    /// What some slots have.
+    #[inline(always)]
+    pub fn slots(&self, slots: Range<usize>) -> impl Iterator<Item = Run<'a>> + use<'a> {
+        let columns = self.columns;
+        let starts = self.starts[slots].iter();
+        starts.map(move |&start| Run { start, columns })
+    }
+}
+
+/// Sixteen numbers of each column.
+#[derive(Clone, Copy)]
+pub struct Run<'a> {
+    start: u32,
+    columns: &'a Columns,
+}
+
+impl Run<'_> {
+    /// A part of three columns.
+    #[inline(always)]
+    pub fn three<V: Vector>(&self, which: Three, part: usize) -> [V; 3] {
+        assert!(part < LANES / V::LANES);
+        let length = self.columns.length;
+        let first = which as usize * length + self.start as usize + part * V::LANES;
+        // SAFETY: only `Starts::push` writes starts, each with sixteen numbers behind it in columns of `Starts::length`, and
+        // `Starts::of` found these to be of that length. So are the numbers of this part in every one of the six columns that
+        // there are, and `which` and the two behind it are below six.
+        unsafe {
+            [
+                self.load(first),
+                self.load(first + length),
+                self.load(first + 2 * length),
+            ]
+        }
+    }
+
+    /// # Safety
+    /// There must be as many numbers as the vector has lanes from this place on.
+    #[inline(always)]
+    unsafe fn load<V: Vector>(&self, from: usize) -> V {
+        // SAFETY: the caller's.
+        unsafe {
+            let from = self.columns.numbers.as_ptr().add(from);
+            V::load_from(std::slice::from_raw_parts(from, V::LANES))
+        }
+    }
+}

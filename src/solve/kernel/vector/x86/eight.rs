@@ -1,0 +1,171 @@
+//! Eight numbers: AVX2. SAFETY: see the parent module, which is "the top" here.
+
+use super::super::{Aside, Pass, Vector, Wide};
+use crate::math::{Number, Packed};
+use std::arch::x86_64::*;
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+/// Runs a pass with [`F8`].
+#[target_feature(enable = "avx2,fma")]
+pub fn run256<P: Pass>(pass: P) -> P::Output {
+    pass.run::<F8>()
+}
+
+#[target_feature(enable = "avx2,fma")]
+#[inline(never)]
+fn aside256<A: Aside<F8>>(aside: A) -> A::Output {
+    aside.run()
+}
+
+/// Eight numbers.
+#[derive(Clone, Copy, Debug)]
+#[repr(transparent)]
+pub struct F8(__m256);
+
+vector!(
+    F8,
+    8,
+    __m256,
+    _mm256_set1_ps,
+    _mm256_sqrt_ps,
+    _mm256_xor_ps,
+    [_mm256_add_ps, _mm256_sub_ps, _mm256_mul_ps, _mm256_div_ps]
+);
+
+// SAFETY of the functions of this block: see the top.
+impl F8 {
+    #[inline(always)]
+    fn clear_sign(self) -> Self {
+        Self(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
+    }
+
+    /// The instruction gives its second operand where one is NaN.
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        unsafe {
+            let larger = _mm256_max_ps(other.0, self.0);
+            let nan = _mm256_cmp_ps::<_CMP_UNORD_Q>(self.0, self.0);
+            Self(_mm256_blendv_ps(larger, other.0, nan))
+        }
+    }
+
+    #[inline(always)]
+    fn bits(self, other: Self) -> u32 {
+        unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(self.0, other.0)) as u32 }
+    }
+
+    #[inline(always)]
+    fn select_above(self, other: Self, this: Self, that: Self) -> Self {
+        unsafe {
+            let above = _mm256_cmp_ps::<_CMP_GT_OQ>(self.0, other.0);
+            Self(_mm256_blendv_ps(that.0, this.0, above))
+        }
+    }
+}
+
+/// Two rows of four numbers. Functions, because what closures do is not compiled for the processor at hand unless it happens
+/// to be inlined.
+///
+/// # Safety
+/// Each pointer must be good for reading four numbers, and the processor must have AVX2.
+#[inline(always)]
+unsafe fn two(rows: [*const f32; 2]) -> __m256 {
+    // SAFETY: the caller's.
+    unsafe {
+        let first = _mm256_castps128_ps256(_mm_loadu_ps(rows[0]));
+        _mm256_insertf128_ps::<1>(first, _mm_loadu_ps(rows[1]))
+    }
+}
+
+impl Packed<f32> for F8 {
+    #[inline(always)]
+    fn load(from: &Wide, part: usize) -> Self {
+        let lanes = &from.0[8 * part..][..8];
+        // SAFETY: there are eight numbers; see also the top.
+        Self(unsafe { _mm256_loadu_ps(lanes.as_ptr()) })
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut Wide, part: usize) {
+        let lanes = &mut to.0[8 * part..][..8];
+        // SAFETY: as in `load`.
+        unsafe { _mm256_storeu_ps(lanes.as_mut_ptr(), self.0) }
+    }
+}
+
+impl Vector for F8 {
+    #[inline(always)]
+    fn aside<A: Aside<Self>>(aside: A) -> A::Output {
+        // SAFETY: see the top.
+        unsafe { aside256(aside) }
+    }
+
+    #[inline(always)]
+    fn bits_above(self, other: Self) -> u32 {
+        self.bits(other)
+    }
+
+    #[inline(always)]
+    fn load_from(from: &[f32]) -> Self {
+        let lanes = &from[..8];
+        // SAFETY: as in `load`.
+        Self(unsafe { _mm256_loadu_ps(lanes.as_ptr()) })
+    }
+
+    #[inline(always)]
+    fn store_to(self, to: &mut [f32]) {
+        let lanes = &mut to[..8];
+        // SAFETY: as in `load`.
+        unsafe { _mm256_storeu_ps(lanes.as_mut_ptr(), self.0) }
+    }
+
+    #[inline(always)]
+    fn multiply_and_add(self, factor: Self, more: Self) -> Self {
+        // SAFETY: see the top.
+        Self(unsafe { _mm256_fmadd_ps(self.0, factor.0, more.0) })
+    }
+
+    #[inline(always)]
+    fn at_least(self, least: f32) -> Self {
+        // SAFETY: see the top.
+        Self(unsafe { _mm256_max_ps(self.0, _mm256_set1_ps(least)) })
+    }
+
+    #[inline(always)]
+    unsafe fn columns(row: impl Fn(usize) -> *const f32) -> [Self; 4] {
+        // SAFETY: the caller vouches for four numbers at each pointer; see also the top.
+        unsafe {
+            let a = two([row(0), row(4)]);
+            let b = two([row(1), row(5)]);
+            let c = two([row(2), row(6)]);
+            let d = two([row(3), row(7)]);
+            let (ab, cd) = (_mm256_unpacklo_ps(a, b), _mm256_unpacklo_ps(c, d));
+            let (ab_high, cd_high) = (_mm256_unpackhi_ps(a, b), _mm256_unpackhi_ps(c, d));
+            [
+                Self(_mm256_shuffle_ps::<0x44>(ab, cd)),
+                Self(_mm256_shuffle_ps::<0xee>(ab, cd)),
+                Self(_mm256_shuffle_ps::<0x44>(ab_high, cd_high)),
+                Self(_mm256_shuffle_ps::<0xee>(ab_high, cd_high)),
+            ]
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn put_columns([x, y, z, w]: [Self; 4], row: impl Fn(usize) -> *mut f32) {
+        // SAFETY: as in `columns`.
+        unsafe {
+            let (xy, zw) = (_mm256_unpacklo_ps(x.0, y.0), _mm256_unpacklo_ps(z.0, w.0));
+            let (xy_high, zw_high) = (_mm256_unpackhi_ps(x.0, y.0), _mm256_unpackhi_ps(z.0, w.0));
+            let rows = [
+                _mm256_shuffle_ps::<0x44>(xy, zw),
+                _mm256_shuffle_ps::<0xee>(xy, zw),
+                _mm256_shuffle_ps::<0x44>(xy_high, zw_high),
+                _mm256_shuffle_ps::<0xee>(xy_high, zw_high),
+            ];
+            for (l, two) in rows.into_iter().enumerate() {
+                _mm_storeu_ps(row(l), _mm256_castps256_ps128(two));
+                _mm_storeu_ps(row(l + 4), _mm256_extractf128_ps::<1>(two));
+            }
+        }
+    }
+}

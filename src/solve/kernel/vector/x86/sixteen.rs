@@ -1,0 +1,341 @@
+//! Sixteen numbers: AVX-512. SAFETY: see the parent module, which is "the top" here.
+
+use super::super::{Aside, Pass, Vector, Wide};
+use crate::math::{Number, Packed};
+use std::arch::x86_64::*;
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+/// Runs a pass with [`F16`].
+#[target_feature(enable = "avx512f,avx512dq")]
+pub fn run512<P: Pass>(pass: P) -> P::Output {
+    pass.run::<F16>()
+}
+
+#[target_feature(enable = "avx512f,avx512dq")]
+#[inline(never)]
+fn aside512<A: Aside<F16>>(aside: A) -> A::Output {
+    aside.run()
+}
+
+/// Sixteen numbers.
+#[derive(Clone, Copy, Debug)]
+#[repr(transparent)]
+pub struct F16(__m512);
+
+vector!(
+    F16,
+    16,
+    __m512,
+    _mm512_set1_ps,
+    _mm512_sqrt_ps,
+    _mm512_xor_ps,
+    [_mm512_add_ps, _mm512_sub_ps, _mm512_mul_ps, _mm512_div_ps]
+);
+
+// SAFETY of the functions of this block: see the top.
+impl F16 {
+    #[inline(always)]
+    fn clear_sign(self) -> Self {
+        Self(unsafe { _mm512_andnot_ps(_mm512_set1_ps(-0.0), self.0) })
+    }
+
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        unsafe {
+            let larger = _mm512_max_ps(other.0, self.0);
+            let nan = _mm512_cmp_ps_mask::<_CMP_UNORD_Q>(self.0, self.0);
+            Self(_mm512_mask_blend_ps(nan, larger, other.0))
+        }
+    }
+
+    #[inline(always)]
+    fn bits(self, other: Self) -> u32 {
+        unsafe { _mm512_cmp_ps_mask::<_CMP_GT_OQ>(self.0, other.0).into() }
+    }
+
+    #[inline(always)]
+    fn select_above(self, other: Self, this: Self, that: Self) -> Self {
+        unsafe {
+            let above = _mm512_cmp_ps_mask::<_CMP_GT_OQ>(self.0, other.0);
+            Self(_mm512_mask_blend_ps(above, that.0, this.0))
+        }
+    }
+}
+
+/// Four rows of four numbers.
+///
+/// # Safety
+/// Each pointer must be good for reading four numbers, and the processor must have AVX-512.
+#[inline(always)]
+unsafe fn four(rows: [*const f32; 4]) -> __m512 {
+    // SAFETY: the caller's.
+    unsafe {
+        let some = _mm512_castps128_ps512(_mm_loadu_ps(rows[0]));
+        let some = _mm512_insertf32x4::<1>(some, _mm_loadu_ps(rows[1]));
+        let some = _mm512_insertf32x4::<2>(some, _mm_loadu_ps(rows[2]));
+        _mm512_insertf32x4::<3>(some, _mm_loadu_ps(rows[3]))
+    }
+}
+
+impl Packed<f32> for F16 {
+    #[inline(always)]
+    fn load(from: &Wide, part: usize) -> Self {
+        let lanes = &from.0[16 * part..][..16];
+        // SAFETY: there are sixteen numbers; see also the top.
+        Self(unsafe { _mm512_loadu_ps(lanes.as_ptr()) })
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut Wide, part: usize) {
+        let lanes = &mut to.0[16 * part..][..16];
+        // SAFETY: as in `load`.
+        unsafe { _mm512_storeu_ps(lanes.as_mut_ptr(), self.0) }
+    }
+}
+
+impl Vector for F16 {
+    #[inline(always)]
+    fn aside<A: Aside<Self>>(aside: A) -> A::Output {
+        // SAFETY: see the top.
+        unsafe { aside512(aside) }
+    }
+
+    #[inline(always)]
+    fn bits_above(self, other: Self) -> u32 {
+        self.bits(other)
+    }
+
+    #[inline(always)]
+    fn load_from(from: &[f32]) -> Self {
+        let lanes = &from[..16];
+        // SAFETY: as in `load`.
+        Self(unsafe { _mm512_loadu_ps(lanes.as_ptr()) })
+    }
+
+    #[inline(always)]
+    fn store_to(self, to: &mut [f32]) {
+        let lanes = &mut to[..16];
+        // SAFETY: as in `load`.
+        unsafe { _mm512_storeu_ps(lanes.as_mut_ptr(), self.0) }
+    }
+
+    #[inline(always)]
+    fn multiply_and_add(self, factor: Self, more: Self) -> Self {
+        // SAFETY: see the top.
+        Self(unsafe { _mm512_fmadd_ps(self.0, factor.0, more.0) })
+    }
+
+    #[inline(always)]
+    fn at_least(self, least: f32) -> Self {
+        // SAFETY: see the top.
+        Self(unsafe { _mm512_max_ps(self.0, _mm512_set1_ps(least)) })
+    }
+
+    #[inline(always)]
+    unsafe fn columns(row: impl Fn(usize) -> *const f32) -> [Self; 4] {
+        // SAFETY: the caller vouches for four numbers at each pointer; see also the top.
+        unsafe {
+            let a = four([row(0), row(4), row(8), row(12)]);
+            let b = four([row(1), row(5), row(9), row(13)]);
+            let c = four([row(2), row(6), row(10), row(14)]);
+            let d = four([row(3), row(7), row(11), row(15)]);
+            let (ab, cd) = (_mm512_unpacklo_ps(a, b), _mm512_unpacklo_ps(c, d));
+            let (ab_high, cd_high) = (_mm512_unpackhi_ps(a, b), _mm512_unpackhi_ps(c, d));
+            [
+                Self(_mm512_shuffle_ps::<0x44>(ab, cd)),
+                Self(_mm512_shuffle_ps::<0xee>(ab, cd)),
+                Self(_mm512_shuffle_ps::<0x44>(ab_high, cd_high)),
+                Self(_mm512_shuffle_ps::<0xee>(ab_high, cd_high)),
+            ]
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn put_columns([x, y, z, w]: [Self; 4], row: impl Fn(usize) -> *mut f32) {
+        // SAFETY: as in `columns`.
+        unsafe {
+            let (xy, zw) = (_mm512_unpacklo_ps(x.0, y.0), _mm512_unpacklo_ps(z.0, w.0));
+            let (xy_high, zw_high) = (_mm512_unpackhi_ps(x.0, y.0), _mm512_unpackhi_ps(z.0, w.0));
+            let rows = [
+                _mm512_shuffle_ps::<0x44>(xy, zw),
+                _mm512_shuffle_ps::<0xee>(xy, zw),
+                _mm512_shuffle_ps::<0x44>(xy_high, zw_high),
+                _mm512_shuffle_ps::<0xee>(xy_high, zw_high),
+            ];
+            for (l, four) in rows.into_iter().enumerate() {
+                _mm_storeu_ps(row(l), _mm512_castps512_ps128(four));
+                _mm_storeu_ps(row(l + 4), _mm512_extractf32x4_ps::<1>(four));
+                _mm_storeu_ps(row(l + 8), _mm512_extractf32x4_ps::<2>(four));
+                _mm_storeu_ps(row(l + 12), _mm512_extractf32x4_ps::<3>(four));
+            }
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn columns_of_four(rows: *const f32) -> [Self; 4] {
+        // SAFETY: the caller vouches for 64 numbers; see also the top.
+        unsafe {
+            let (a, b) = (_mm512_loadu_ps(rows), _mm512_loadu_ps(rows.add(16)));
+            let (c, d) = (_mm512_loadu_ps(rows.add(32)), _mm512_loadu_ps(rows.add(48)));
+            // Of eight rows each, the first two columns and the last two.
+            let (first, last) = (eighths(0), eighths(2));
+            let (xy, zw) = (
+                _mm512_permutex2var_ps(a, first, b),
+                _mm512_permutex2var_ps(a, last, b),
+            );
+            let (xy_behind, zw_behind) = (
+                _mm512_permutex2var_ps(c, first, d),
+                _mm512_permutex2var_ps(c, last, d),
+            );
+            [
+                Self(_mm512_shuffle_f32x4::<0x44>(xy, xy_behind)),
+                Self(_mm512_shuffle_f32x4::<0xee>(xy, xy_behind)),
+                Self(_mm512_shuffle_f32x4::<0x44>(zw, zw_behind)),
+                Self(_mm512_shuffle_f32x4::<0xee>(zw, zw_behind)),
+            ]
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn put_four([x, y, z, w]: [Self; 4], rows: *mut f32) {
+        // SAFETY: as in `columns_of_four`.
+        unsafe {
+            let xy = _mm512_shuffle_f32x4::<0x44>(x.0, y.0);
+            let xy_behind = _mm512_shuffle_f32x4::<0xee>(x.0, y.0);
+            let zw = _mm512_shuffle_f32x4::<0x44>(z.0, w.0);
+            let zw_behind = _mm512_shuffle_f32x4::<0xee>(z.0, w.0);
+            let (first, last) = (every_eighth(0), every_eighth(4));
+            _mm512_storeu_ps(rows, _mm512_permutex2var_ps(xy, first, zw));
+            _mm512_storeu_ps(rows.add(16), _mm512_permutex2var_ps(xy, last, zw));
+            let (xy, zw) = (xy_behind, zw_behind);
+            _mm512_storeu_ps(rows.add(32), _mm512_permutex2var_ps(xy, first, zw));
+            _mm512_storeu_ps(rows.add(48), _mm512_permutex2var_ps(xy, last, zw));
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn columns_of_eight(rows: *const f32) -> [[Self; 4]; 2] {
+        let (first, last) = (every_eighth(0), every_eighth(4));
+        // SAFETY: the caller vouches for 128 numbers; see also the top.
+        unsafe {
+            let (a, b) = (_mm512_loadu_ps(rows), _mm512_loadu_ps(rows.add(16)));
+            let (c, d) = (_mm512_loadu_ps(rows.add(32)), _mm512_loadu_ps(rows.add(48)));
+            let (e, f) = (_mm512_loadu_ps(rows.add(64)), _mm512_loadu_ps(rows.add(80)));
+            let (g, h) = (
+                _mm512_loadu_ps(rows.add(96)),
+                _mm512_loadu_ps(rows.add(112)),
+            );
+            // Of four rows each, the columns of a half.
+            [
+                four_by_four([
+                    _mm512_permutex2var_ps(a, first, b),
+                    _mm512_permutex2var_ps(c, first, d),
+                    _mm512_permutex2var_ps(e, first, f),
+                    _mm512_permutex2var_ps(g, first, h),
+                ])
+                .map(Self),
+                four_by_four([
+                    _mm512_permutex2var_ps(a, last, b),
+                    _mm512_permutex2var_ps(c, last, d),
+                    _mm512_permutex2var_ps(e, last, f),
+                    _mm512_permutex2var_ps(g, last, h),
+                ])
+                .map(Self),
+            ]
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn put_eight([[x, y, z, w], [s, t, u, v]]: [[Self; 4]; 2], rows: *mut f32) {
+        let (first, last) = (eighths(0), eighths(2));
+        // SAFETY: as in `columns_of_eight`.
+        unsafe {
+            let [a, b, c, d] = four_by_four([x.0, y.0, z.0, w.0]);
+            let [e, f, g, h] = four_by_four([s.0, t.0, u.0, v.0]);
+            _mm512_storeu_ps(rows, _mm512_permutex2var_ps(a, first, e));
+            _mm512_storeu_ps(rows.add(16), _mm512_permutex2var_ps(a, last, e));
+            _mm512_storeu_ps(rows.add(32), _mm512_permutex2var_ps(b, first, f));
+            _mm512_storeu_ps(rows.add(48), _mm512_permutex2var_ps(b, last, f));
+            _mm512_storeu_ps(rows.add(64), _mm512_permutex2var_ps(c, first, g));
+            _mm512_storeu_ps(rows.add(80), _mm512_permutex2var_ps(c, last, g));
+            _mm512_storeu_ps(rows.add(96), _mm512_permutex2var_ps(d, first, h));
+            _mm512_storeu_ps(rows.add(112), _mm512_permutex2var_ps(d, last, h));
+        }
+    }
+}
+
+/// Every fourth of 32 numbers from one on, then every fourth from the next on.
+#[inline(always)]
+fn eighths(from: i32) -> __m512i {
+    let k = from;
+    // SAFETY: see the top.
+    unsafe {
+        _mm512_setr_epi32(
+            k,
+            k + 4,
+            k + 8,
+            k + 12,
+            k + 16,
+            k + 20,
+            k + 24,
+            k + 28,
+            k + 1,
+            k + 5,
+            k + 9,
+            k + 13,
+            k + 17,
+            k + 21,
+            k + 25,
+            k + 29,
+        )
+    }
+}
+
+/// Every eighth of 32 numbers from one on, then every eighth from each of the next three on.
+#[inline(always)]
+fn every_eighth(from: i32) -> __m512i {
+    let k = from;
+    // SAFETY: see the top.
+    unsafe {
+        _mm512_setr_epi32(
+            k,
+            k + 8,
+            k + 16,
+            k + 24,
+            k + 1,
+            k + 9,
+            k + 17,
+            k + 25,
+            k + 2,
+            k + 10,
+            k + 18,
+            k + 26,
+            k + 3,
+            k + 11,
+            k + 19,
+            k + 27,
+        )
+    }
+}
+
+/// The transpose of four times four quarters.
+#[inline(always)]
+fn four_by_four([a, b, c, d]: [__m512; 4]) -> [__m512; 4] {
+    // SAFETY: see the top.
+    unsafe {
+        let (low, low_behind) = (
+            _mm512_shuffle_f32x4::<0x44>(a, b),
+            _mm512_shuffle_f32x4::<0x44>(c, d),
+        );
+        let (high, high_behind) = (
+            _mm512_shuffle_f32x4::<0xee>(a, b),
+            _mm512_shuffle_f32x4::<0xee>(c, d),
+        );
+        [
+            _mm512_shuffle_f32x4::<0x88>(low, low_behind),
+            _mm512_shuffle_f32x4::<0xdd>(low, low_behind),
+            _mm512_shuffle_f32x4::<0x88>(high, high_behind),
+            _mm512_shuffle_f32x4::<0xdd>(high, high_behind),
+        ]
+    }
+}
