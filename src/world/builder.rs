@@ -2,8 +2,8 @@
 
 use super::Deformable;
 use super::into::{IntoNet, IntoTetMesh};
-use super::islands::Sleep;
 use super::params::Substeps;
+use super::sleep::Sleep;
 use crate::body::error::{not_negative, positive};
 use crate::body::{Blueprint, BuildError, Material, Net, Node, Solid, SolidMesh, Topology};
 use crate::contact::encounter::outline;

@@ -1,8 +1,8 @@
 //! A deformable body in the world: blueprint, state, solver and settings, and the face through which users read it.
 
-use super::islands::Sleep;
 use super::motion::Start;
 use super::params::{DeformableParameters, Substeps};
+use super::sleep::Sleep;
 use crate::body::search::tree::Cache;
 use crate::body::{Blueprint, NodeId, SpringId, State, Topology};
 use crate::contact::encounter::outline::Outline;

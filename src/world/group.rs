@@ -135,7 +135,7 @@ impl DeformableWorld {
             let attachments = reach.attachments.into_iter();
             bonds.extend(attachments.map(|h| (group_of[i], member as u32, h)));
         }
-        kept.retain(|&(deformable, _), _| self.sleeps(deformable));
+        kept.retain(|&(key, _), _| self.is_asleep(DeformableHandle::of_key(key)));
         self.contacts = kept;
         for (number, member, handle) in bonds {
             let (Some(group), Some(bond)) =
@@ -255,7 +255,7 @@ impl DeformableWorld {
             .all(|s| s.impulse.is_finite() && s.torque.is_finite());
         group.release();
         let splits = group.splits(parts, dt);
-        self.drowsy.extend(group.as_island(dt, &self.params));
+        self.drowsy.extend(group.as_drowsy(dt, &self.params));
         let near = group.near_bodies(NEAR * parts.length_unit());
         self.pause_encounters(&mut group);
         for (pair, sum) in group.pair_sums() {

@@ -21,7 +21,7 @@ pub struct PairContext<'a> {
 /// Decides which pairs touch, see [`DeformableWorld::set_hooks`]. A closure of a [`PairContext`] is one.
 ///
 /// Asked once for every pair within reach and every Rapier step, after whether both are enabled and their collision groups
-/// agree, and before the solver groups. Odd answers are taken as they are:
+/// agree, and before the solver groups; once more when a group falls asleep. Odd answers are taken as they are:
 /// - A pair that is refused while it touches parts at once, what lay there wakes, and nothing is remembered of the contact.
 ///   Accepted again while one is inside of the other, they are moved apart at
 ///   [`push_out_speed`](super::DeformableParameters::push_out_speed), as two that were created that way; of what a node has

@@ -16,7 +16,6 @@ use crate::contact::encounter::posed::Posed;
 use crate::contact::encounter::rows::Bodies;
 use crate::contact::encounter::search::Searched;
 use crate::contact::site::Reach;
-use crate::math::narrow;
 use crate::solve::rows::Rows;
 use rapier3d::geometry::Aabb;
 use rapier3d::parry::partitioning::{Bvh, BvhWorkspace};
@@ -185,7 +184,7 @@ impl DeformableWorld {
             encounter.attached = group.attached_nodes(members);
             group.encounters.push(encounter);
         }
-        kept.retain(|&(a, _), _| self.sleeps(a));
+        kept.retain(|&(a, _), _| self.is_asleep(DeformableHandle::of_key(a)));
         self.encounters = kept;
     }
 
@@ -219,15 +218,11 @@ fn swept(handle: DeformableHandle, body: &Deformable, search: &Search) -> Swept 
     if body.sleep.beside_rigid {
         speed = speed.max(search.rigid_speed);
     }
-    let (lo, hi) = body.bounds();
-    // f32 corners far from the origin are coarse, and a sheet has a thickness.
-    let coarse = (lo.abs().max(hi.abs()) * 2e-7).max_element();
     let spacing = body.outline.as_ref().map_or(0.0, |o| o.spacing);
     let spacing = if spacing.is_finite() { spacing } else { 0.0 };
-    let more = coarse + spacing.max(body.surface().thickness.into());
     Swept {
         slot: handle.key().0,
-        bounds: Aabb::new(narrow(lo - more), narrow(hi + more)),
+        bounds: body.box_within(spacing.max(body.surface().thickness.into())),
         speed,
     }
 }

@@ -14,7 +14,6 @@ mod energies;
 mod group;
 mod hooks;
 mod into;
-mod islands;
 mod kinematic;
 mod meet;
 mod mend;
@@ -87,6 +86,10 @@ impl DeformableHandle {
     fn key(self) -> (u32, u32) {
         self.0.into_raw_parts()
     }
+
+    fn of_key((index, generation): (u32, u32)) -> Self {
+        Self(Index::from_raw_parts(index, generation))
+    }
 }
 
 /// An attachment in a [`DeformableWorld`].
@@ -146,8 +149,8 @@ pub struct DeformableWorld {
     /// Who touches whom.
     touches: BTreeMap<touch::TouchKey, touch::Touch>,
     /// Groups asleep, and groups that may fall asleep at the end of the step.
-    islands: Vec<islands::Island>,
-    drowsy: Vec<islands::Island>,
+    islands: Vec<sleep::Island>,
+    drowsy: Vec<sleep::Drowsy>,
     /// What is to be looked at after the Rapier step under way.
     sensing: Vec<sense::Sensing>,
     gate: hooks::Gate,

@@ -11,7 +11,7 @@ use super::{Deformable, DeformableHandle, RapierParts};
 use crate::contact::form::Forms;
 use crate::contact::target::{Target, admits, pushes, target, wide_rotation};
 use crate::coupling::observe::velocity;
-use crate::math::{Pose, wide};
+use crate::math::{Pose, narrow, wide};
 use crate::solve::shadow::Shadow;
 use rapier3d::dynamics::RigidBodyHandle;
 use rapier3d::geometry::{Aabb, Collider, ColliderHandle};
@@ -110,6 +110,16 @@ impl<'a> Search<'a> {
             strays: strays(known, parts),
             dt,
         }
+    }
+}
+
+impl Deformable {
+    /// The box around its nodes, grown by a margin \[m\].
+    pub(super) fn box_within(&self, margin: f64) -> Aabb {
+        let (lo, hi) = self.bounds();
+        // f32 corners far from the origin are coarse.
+        let margin = margin + (lo.abs().max(hi.abs()) * 2e-7).max_element();
+        Aabb::new(narrow(lo - margin), narrow(hi + margin))
     }
 }
 

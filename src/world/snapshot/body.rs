@@ -10,7 +10,7 @@ use crate::solve::fem::{Model, Part};
 use crate::solve::forces::Force;
 use crate::solve::work::Work;
 use crate::solve::{Integrator, Solver};
-use crate::world::islands::Sleep;
+use crate::world::sleep::Sleep;
 use crate::world::{Deformable, DeformableParameters, Substeps};
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};

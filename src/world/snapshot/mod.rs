@@ -14,7 +14,7 @@ mod error;
 pub use error::SnapshotError;
 
 use super::group::BodyKey;
-use super::islands::Island;
+use super::sleep::Island;
 use super::touch::{Touch, TouchKey};
 use super::{AttachmentState, Deformable, DeformableParameters, DeformableWorld, meet, reach};
 use crate::contact::candidates::{self, Candidates};

@@ -1,14 +1,14 @@
 //! Which sleeping rigid bodies must wake: Rapier lets them sleep by their own motion, and knows nothing of what lies on them,
 //! carries them, or comes at them.
 
-use super::reach::{self, Search};
-use super::{DeformableWorld, RapierParts};
 use crate::math::wide;
+use crate::world::reach::{self, Search};
+use crate::world::{DeformableWorld, RapierParts};
 use rapier3d::dynamics::RigidBodyHandle;
 
 impl DeformableWorld {
     /// Wakes bodies that a deformable is about to hit, at twice the speed below which Rapier lets bodies sleep.
-    pub(super) fn wake_sleepers_in_the_way(&mut self, parts: &mut RapierParts, dt: f64) {
+    pub(in crate::world) fn wake_sleepers_in_the_way(&mut self, parts: &mut RapierParts, dt: f64) {
         let threshold = 0.1 * parts.length_unit();
         if !self.iter().any(|(_, b)| b.is_active()) {
             return;
@@ -29,7 +29,7 @@ impl DeformableWorld {
         }
     }
 
-    pub(super) fn watch_sleepers(&mut self, parts: &mut RapierParts, dt: f64) {
+    pub(in crate::world) fn watch_sleepers(&mut self, parts: &mut RapierParts, dt: f64) {
         let gravity = wide(parts.gravity).length();
         let mut wake = Vec::new();
         let steps = self.steps;
@@ -55,7 +55,7 @@ impl DeformableWorld {
     }
 
     /// Rapier lets sleepers sleep when gravity changes; those that lie on deformables are woken, and the deformables.
-    pub(super) fn wake_on_new_gravity(&mut self, parts: &mut RapierParts) {
+    pub(in crate::world) fn wake_on_new_gravity(&mut self, parts: &mut RapierParts) {
         let old = self.gravity.replace(parts.gravity);
         if old.is_some_and(|g| g != parts.gravity) {
             for &(index, generation) in self.memory.keys() {
