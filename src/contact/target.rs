@@ -2,7 +2,7 @@
 
 use super::form::{Form, Forms};
 use crate::body::state::State;
-use crate::law::row::softness;
+use crate::law::row::{Lift, softness};
 use crate::math::{DMat3, DQuat, DVec3, Real, Rotation};
 use crate::solve::rows::{Row, Terms};
 use crate::solve::shadow::Shadow;
@@ -160,6 +160,7 @@ impl Target {
             friction_impulse: DVec3::ZERO,
             mass: 0.0,
             turning: 0.0,
+            lift: Lift::default(),
         }
     }
 }

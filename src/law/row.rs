@@ -63,6 +63,34 @@ pub fn push_out(depth: f64, h: f64, rate: f64) -> f64 {
     (0.5 * depth).min(rate * h).max(0.0)
 }
 
+/// How a row lifts a point out of what it is in together with the body that it is tied to, which brings it back from
+/// wherever it is moved at position level: slowly, and with no more impulse than that takes, for the body may be held.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Lift {
+    /// \[m/s\].
+    pub speed: f64,
+    /// What is left of the impulse in this substep \[N·s\].
+    pub left: f64,
+}
+
+impl Lift {
+    /// By how much the normal velocity exceeds what it is to be, given by how much it exceeds what it must be at least, for an
+    /// effective mass of `mass` kg. Any velocity between the two will do once the impulse is spent.
+    #[inline(always)]
+    pub fn excess(&mut self, excess: f64, mass: f64) -> f64 {
+        if self.speed == 0.0 {
+            return excess;
+        }
+        let missing = self.speed - excess.max(0.0);
+        if missing <= 0.0 {
+            return -missing;
+        }
+        let given = (missing * mass).min(self.left);
+        self.left -= given;
+        excess.min(0.0) - if mass > 0.0 { given / mass } else { 0.0 }
+    }
+}
+
 /// How much faster a surface that turns at `w` \[rad/s\] comes towards a point, `arm` m from its centre of mass and moving
 /// at `relative` m/s along it, than the point's velocity tells, in the mean over a substep of h \[s\]: Coriolis' and the
 /// centripetal acceleration, h·n·(ω×v + ½ω×(ω×r)). Without it a point that slides along a fan's blade sinks in by ωvh².

@@ -34,7 +34,7 @@ impl Group {
         };
         for row in &rows.contacts {
             let mut by = DVec3::ZERO;
-            if row.depth > 0.0 && row.softness == 0.0 {
+            if row.depth > 0.0 && row.softness == 0.0 && row.lift.speed == 0.0 {
                 by += row.normal * push_out(row.depth, h, s.push_out);
             }
             if row.drift != DVec3::ZERO && row.sticks() {

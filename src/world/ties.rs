@@ -117,6 +117,7 @@ impl Group {
             rows,
             ..
         } = self;
+        rows.fastest_lift = push_out;
         for (i, a) in (0..).zip(attachments).filter(|(_, a)| !a.bond.is_broken()) {
             let shadow = (a.shadow, &shadows[a.shadow as usize]);
             let pair = match a.other {

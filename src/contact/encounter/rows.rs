@@ -6,7 +6,7 @@ use super::node::{Found, Query};
 use super::posed::Posed;
 use super::touch::{Touch, Touches};
 use crate::contact::site::{Reach, slot};
-use crate::law::row::softness;
+use crate::law::row::{Lift, softness};
 use crate::math::DVec3;
 use crate::solve::rows::{Row, Rows, Term};
 
@@ -243,6 +243,7 @@ impl Encounter {
             friction_impulse: DVec3::ZERO,
             mass: 0.0,
             turning: 0.0,
+            lift: Lift::default(),
         });
         touches.push(touch);
     }

@@ -16,6 +16,7 @@ mod rigid;
 mod squeeze;
 mod worklist;
 
+use crate::law::row::Lift;
 use crate::math::{DMat3, DVec3};
 use crate::solve::shadow::Shadow;
 pub use joint::JointRow;
@@ -23,7 +24,8 @@ pub use rigid::RigidRow;
 use squeeze::Squeeze;
 use worklist::Worklist;
 
-/// How fast a body comes to held nodes it is tied to, in errors per second.
+/// How fast a body comes to held nodes it is tied to, in errors per second, and out of what nodes that it holds are in, in
+/// depths per second.
 const LEAD_RATE: f64 = 20.0;
 
 /// A node that has at least one row.
@@ -105,6 +107,8 @@ pub struct Row {
     /// How much faster the surface turns towards the point than it moves at the start of the substep \[m/s\]; set by the
     /// pass.
     pub turning: f64,
+    /// How it takes the body along that holds its nodes.
+    pub lift: Lift,
 }
 
 impl Row {
@@ -169,6 +173,8 @@ pub struct Rows {
     pub rigid: Vec<RigidRow>,
     /// Joints of shadows, which stay likewise.
     pub joints: Vec<JointRow>,
+    /// How fast bodies are lifted out of what nodes that they hold are in, at most \[m/s\].
+    pub fastest_lift: f64,
     squeeze: Squeeze,
     worklist: Worklist,
 }

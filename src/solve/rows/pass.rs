@@ -3,19 +3,22 @@
 use super::points::Points;
 use super::squeeze::Squeeze;
 use super::worklist::Worklist;
-use super::{JointRow, RigidRow, Row, Rows, Tie};
-use crate::law::row::{allowed_velocity, friction_impulse, normal_impulse, turning};
+use super::{JointRow, LEAD_RATE, RigidRow, Row, Rows, Term, Tie};
+use crate::law::row::{Lift, allowed_velocity, friction_impulse, normal_impulse, turning};
 use crate::math::{DMat3, DVec3, na};
 use crate::solve::shadow::Shadow;
+
+/// How much impulse a lift may take, in what gives a free body its speed.
+const LIFT_IMPULSE: f64 = 2.0;
 
 impl Rows {
     /// Solves all rows in at most `passes` passes, stopping once a pass changes nothing, and books the impulses to the
     /// shadows. `reversed` picks the order of the first pass.
     pub fn solve(&mut self, shadows: &mut [Shadow], h: f64, passes: usize, reversed: bool) {
-        let squeezed = self.contacts.len() > 1;
+        let squeezed = self.contacts.len() + self.ties.len() > 1;
         if squeezed {
             self.squeeze
-                .find(self.nodes.len(), &self.contacts, &self.terms);
+                .find(self.nodes.len(), &self.contacts, &self.ties, &self.terms);
         }
         let rows = self.contacts.len() + self.ties.len() + self.rigid.len() + self.joints.len();
         self.worklist.start(self.nodes.len(), shadows, rows);
@@ -36,6 +39,7 @@ impl Rows {
             tolerance: 0.0,
         };
         pass.prepare();
+        pass.prepare_lifts(self.fastest_lift);
         pass.start_warm();
         let most = if pass.is_coupled() {
             4 * passes
@@ -131,6 +135,36 @@ impl Pass<'_> {
         }
     }
 
+    /// Finds the rows of which all nodes are tied to a body that can move, and that are deep in what can't, and how they lift
+    /// that body. Nodes welded into a body stay in its own colliders, and in those of bodies it is joined to.
+    fn prepare_lifts(&mut self, fastest: f64) {
+        if self.ties.is_empty() || !self.squeezed {
+            return;
+        }
+        for row in &mut *self.contacts {
+            row.lift = Lift::default();
+            let held = row.depth > 0.0 && row.softness == 0.0 && !row.between;
+            if !held || self.worklist.moves(row.shadow) {
+                continue;
+            }
+            let body_response = |term: &Term| {
+                let tie = &self.ties[self.squeeze.tie(term.node)?];
+                let shadow = &self.shadows[tie.shadow as usize];
+                let response = shadow.response(tie.arm, row.normal);
+                (tie.softness == 0.0 && response > 0.0).then_some(response)
+            };
+            let terms = self.points.terms_of(row.terms).iter();
+            let least = terms
+                .map(body_response)
+                .try_fold(f64::INFINITY, |least, r| r.map(|r| least.min(r)));
+            if let Some(response) = least {
+                let speed = (row.depth * LEAD_RATE).min(fastest);
+                let left = LIFT_IMPULSE * speed / response;
+                row.lift = Lift { speed, left };
+            }
+        }
+    }
+
     fn solve_rigid(&mut self, reversed: bool) -> bool {
         let first = self.contacts.len() + self.ties.len();
         let (shadows, tolerance) = (&mut *self.shadows, self.tolerance);
@@ -218,6 +252,7 @@ impl Pass<'_> {
     pub fn press(&mut self, i: usize, mass: f64) -> bool {
         let excess = self.excess(i);
         let row = &mut self.contacts[i];
+        let excess = row.lift.excess(excess, mass);
         let jn = normal_impulse(row.normal_impulse, 0.0, excess, mass);
         let change = jn - row.normal_impulse;
         row.normal_impulse = jn;
@@ -265,22 +300,29 @@ impl Pass<'_> {
     fn solve_ties(&mut self, order: impl Iterator<Item = usize>) -> bool {
         let mut changed = false;
         for i in order {
-            let tie = &mut self.ties[i];
+            let tie = &self.ties[i];
             let terms = self.points.terms_of(tie.terms);
             let number = self.contacts.len() + i;
-            if !self.worklist.visit(number, terms, [tie.shadow; 2]) {
-                continue;
+            if self.worklist.visit(number, terms, [tie.shadow; 2]) {
+                changed |= self.solve_tie(i);
             }
-            let shadow = &mut self.shadows[tie.shadow as usize];
-            let wanted = shadow.velocity_at(tie.arm) + tie.bias - tie.impulse * tie.softness;
-            let change = tie.mass * (wanted - self.points.velocity(tie.terms));
-            tie.impulse += change;
-            if change.length() > self.tolerance * tie.impulse.length() {
-                changed = true;
-                self.worklist.change(terms, [tie.shadow; 2]);
-            }
-            self.points.push(tie.terms, change);
-            shadow.push(tie.arm, -change);
+        }
+        changed
+    }
+
+    /// Solves a tie as if it were the only one; whether it was not settled yet.
+    pub fn solve_tie(&mut self, i: usize) -> bool {
+        let tie = &mut self.ties[i];
+        let shadow = &mut self.shadows[tie.shadow as usize];
+        let wanted = shadow.velocity_at(tie.arm) + tie.bias - tie.impulse * tie.softness;
+        let change = tie.mass * (wanted - self.points.velocity(tie.terms));
+        tie.impulse += change;
+        self.points.push(tie.terms, change);
+        shadow.push(tie.arm, -change);
+        let changed = change.length() > self.tolerance * tie.impulse.length();
+        if changed {
+            let terms = self.points.terms_of(tie.terms);
+            self.worklist.change(terms, [tie.shadow; 2]);
         }
         changed
     }

@@ -1,4 +1,4 @@
-//! Nodes that have a row of their own and further rows: squeezed between bodies.
+//! Nodes that have a row or a tie of their own and further rows: squeezed between bodies.
 //!
 //! Sequential impulses carry momentum across a node of mass m between bodies of mass M in about M/m passes, for each row
 //! sees only the node. Here a row sees the node together with its other rows: what is pressed on a floor does not give
@@ -6,7 +6,7 @@
 //! system of all rows, taken over those that are active. After every such impulse the node's own rows answer at once.
 
 use super::pass::Pass;
-use super::{Row, Term};
+use super::{Row, Term, Tie};
 use crate::math::{DMat3, DVec3};
 
 const NONE: u32 = u32::MAX;
@@ -25,19 +25,28 @@ enum Hold {
     All,
 }
 
-/// The rows that act on one node alone, per node, and the rows that share a node with one of them.
+/// The rows that act on one node alone, per node, a tie that does, and the rows that share a node with one of them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Squeeze {
     /// Per node, its first own row.
     first: Vec<u32>,
     /// Per row, the next one on the same node.
     next: Vec<u32>,
+    /// Per node, its own tie.
+    tie: Vec<u32>,
     /// Per row, whether a node of it has an own row that is another one.
     shared: Vec<bool>,
 }
 
 impl Squeeze {
-    pub fn find(&mut self, nodes: usize, contacts: &[Row], terms: &[Term]) {
+    pub fn find(&mut self, nodes: usize, contacts: &[Row], ties: &[Tie], terms: &[Term]) {
+        self.tie.clear();
+        self.tie.resize(nodes, NONE);
+        for (i, tie) in ties.iter().enumerate() {
+            if let [only] = &terms[tie.terms.range()] {
+                self.tie[only.node as usize] = i as u32;
+            }
+        }
         self.first.clear();
         self.first.resize(nodes, NONE);
         self.next.clear();
@@ -52,7 +61,7 @@ impl Squeeze {
         shared.clear();
         shared.extend(contacts.iter().enumerate().map(|(i, row)| {
             let mut terms = terms[row.terms.range()].iter();
-            terms.any(|t| self.own(t.node).any(|own| own != i))
+            terms.any(|t| self.tie(t.node).is_some() || self.own(t.node).any(|own| own != i))
         }));
         self.shared = shared;
     }
@@ -60,6 +69,12 @@ impl Squeeze {
     /// Whether a row shares a node with another row on that node alone.
     pub fn shares(&self, row: usize) -> bool {
         self.shared[row]
+    }
+
+    /// The tie that acts on this node alone, one of them if there are several.
+    pub fn tie(&self, node: u32) -> Option<usize> {
+        let tie = self.tie[node as usize];
+        (tie != NONE).then_some(tie as usize)
     }
 
     /// The rows that act on this node alone.
@@ -151,6 +166,9 @@ impl Pass<'_> {
         let squeeze = self.squeeze;
         let terms = self.points.terms;
         for term in &terms[self.contacts[i].terms.range()] {
+            if let Some(tie) = squeeze.tie(term.node) {
+                self.solve_tie(tie);
+            }
             for own in squeeze.own(term.node).filter(|own| *own != i) {
                 self.solve_row(own);
             }
@@ -187,6 +205,9 @@ impl Pass<'_> {
     fn node_response(&self, node: u32, but: usize, hold: Hold) -> DMat3 {
         let inv_mass = self.points.nodes[node as usize].inv_mass;
         let mut response = DMat3::from_diagonal(DVec3::splat(inv_mass));
+        if let Some(tie) = self.squeeze.tie(node) {
+            response -= self.ties[tie].mass * inv_mass.powi(2);
+        }
         for own in self.squeeze.own(node).filter(|own| *own != but) {
             let row = &self.contacts[own];
             if hold == Hold::Active && row.normal_impulse <= 0.0 {

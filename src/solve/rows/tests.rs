@@ -38,6 +38,7 @@ fn rows(friction: f64, depth: f64, arm: DVec3, v: DVec3) -> Rows {
         friction_impulse: DVec3::ZERO,
         mass: 0.0,
         turning: 0.0,
+        lift: Lift::default(),
     });
     rows
 }
@@ -174,4 +175,73 @@ fn a_node_on_two_tiles_slides_as_on_one() {
     assert!((two.nodes[0].v - DVec3::X * 0.4).length() < 1e-9);
     let sum: f64 = two.contacts.iter().map(|r| r.normal_impulse).sum();
     assert!((sum - 2.0).abs() < 1e-9, "{sum}");
+}
+
+/// A node of 10 g on the fixed world, pinned to a body of 10 kg that moves at `v`, with what holds the body beside it.
+fn pinned(depth: f64, v: DVec3, moves: f64) -> (Rows, [Shadow; 2]) {
+    let mut rows = rows(0.0, depth, DVec3::ZERO, v);
+    rows.nodes[0].inv_mass = 100.0;
+    rows.fastest_lift = 0.3;
+    let terms = rows.contacts[0].terms;
+    rows.ties.push(Tie {
+        terms,
+        shadow: 1,
+        attachment: 0,
+        between: false,
+        arm: DVec3::ZERO,
+        error: DVec3::ZERO,
+        before: DVec3::ZERO,
+        chord: DVec3::ZERO,
+        bias: DVec3::ZERO,
+        softness: 0.0,
+        impulse: DVec3::ZERO,
+        mass: DMat3::ZERO,
+    });
+    let body = Shadow {
+        inv_mass: DMat3::from_diagonal(DVec3::splat(0.1 * moves)),
+        v,
+        ..Shadow::FIXED
+    };
+    (rows, [Shadow::FIXED, body])
+}
+
+/// A heavy body that is held by a light node comes to a stop with it, in one substep.
+#[test]
+fn a_body_lands_on_a_light_node_that_it_holds() {
+    for reversed in [false, true] {
+        let (mut rows, mut shadows) = pinned(0.0, DVec3::new(1.0, -2.0, 0.0), 1.0);
+        rows.solve(&mut shadows, 1e-3, 4, reversed);
+        let expected = DVec3::X;
+        assert!(
+            (shadows[1].v - expected).length() < 1e-6,
+            "{}",
+            shadows[1].v
+        );
+        assert!((rows.nodes[0].v - expected).length() < 1e-6);
+        let impulse = rows.contacts[0].normal_impulse;
+        assert!((impulse - 20.02).abs() < 1e-6, "{impulse}");
+    }
+}
+
+/// What such a node is in, the body is slowly lifted out of; what can't be moved is not pressed on.
+#[test]
+fn a_body_is_lifted_out_with_the_node_that_it_holds() {
+    for (depth, speed) in [(0.002, 0.04), (0.1, 0.3)] {
+        let (mut rows, mut shadows) = pinned(depth, DVec3::Y * -1.0, 1.0);
+        rows.solve(&mut shadows, 1e-3, 4, false);
+        assert!((shadows[1].v.y - speed).abs() < 1e-6, "{}", shadows[1].v);
+        assert!((rows.nodes[0].v.y - speed).abs() < 1e-6);
+    }
+    let (mut rows, mut shadows) = pinned(0.002, DVec3::ZERO, 0.0);
+    rows.solve(&mut shadows, 1e-3, 4, false);
+    assert_eq!(rows.contacts[0].normal_impulse, 0.0);
+}
+
+/// Faster than the lift is fast enough, and what flies off needs no push.
+#[test]
+fn a_body_that_leaves_by_itself_is_not_lifted() {
+    let (mut rows, mut shadows) = pinned(0.002, DVec3::Y * 0.5, 1.0);
+    rows.solve(&mut shadows, 1e-3, 4, false);
+    assert_eq!(rows.contacts[0].normal_impulse, 0.0);
+    assert!((shadows[1].v.y - 0.5).abs() < 1e-12);
 }

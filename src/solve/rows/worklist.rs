@@ -38,6 +38,11 @@ impl Worklist {
         }
     }
 
+    /// Whether anything can move this shadow.
+    pub fn moves(&self, shadow: u32) -> bool {
+        self.moves[shadow as usize]
+    }
+
     /// Whether row number `row` has anything to look at. If so, it counts as visited from now on.
     #[inline(always)]
     pub fn visit(&mut self, row: usize, terms: &[Term], shadows: [u32; 2]) -> bool {

@@ -1,7 +1,9 @@
 //! What shadows receive, against what nodes are given.
 
 use super::*;
-use crate::prelude::*;
+use crate::body::Material;
+use crate::body::shape::lattice;
+use crate::world::{DeformableBuilder, Substep};
 use rapier3d::prelude::*;
 
 #[derive(Default)]
