@@ -21,7 +21,7 @@ pub struct Blueprint {
     pub springs: Vec<Spring>,
     /// Surface triangles.
     pub faces: Vec<[u32; 3]>,
-    /// The surface for pictures.
+    /// The surface for pictures, and for contact if it says so.
     pub skin: Option<Skin>,
     /// The tets over the nodes, if there are any.
     pub solid: Option<Arc<SolidMesh>>,

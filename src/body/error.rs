@@ -120,6 +120,23 @@ pub enum BuildError {
         /// Its area.
         area: Real,
     },
+    /// A vertex of a skin is far from the mesh that is to carry it.
+    #[error(
+        "vertex {vertex} of the skin at {position} is farther outside of the mesh than a tet is thick; \
+         the mesh must fill the surface"
+    )]
+    SkinOutside {
+        /// Index of the vertex.
+        vertex: u32,
+        /// Where it is \[m\].
+        position: Vector,
+    },
+    /// There is no mesh to carry a skin.
+    #[error("a surface can be embedded in a mesh of tets only; nets have their own skins")]
+    SkinWithoutTets,
+    /// There is no skin to touch with.
+    #[error("the body has no skin that could touch others; `filled` and `embed` give it one")]
+    NoSkin,
     /// The cells a surface is to be filled with are larger than what is inside it.
     #[error("no cell of {cell} m has its centre inside the surface; cells of {enough} m do")]
     CellTooLarge {

@@ -4,6 +4,7 @@
 pub mod blueprint;
 mod border;
 mod crossing;
+mod embedded;
 pub mod error;
 pub mod id;
 pub mod material;
@@ -17,6 +18,7 @@ pub mod tets;
 pub mod topology;
 
 pub use blueprint::Blueprint;
+pub(crate) use embedded::Embedded;
 pub use error::BuildError;
 pub use id::{NodeId, SpringId, TetId};
 pub use material::Material;

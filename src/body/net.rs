@@ -143,7 +143,8 @@ impl Spring {
     }
 }
 
-/// A triangle mesh carried by the nodes, for pictures: each vertex is a fixed weighted mean of nodes.
+/// A triangle mesh carried by the nodes: each vertex is a fixed weighted mean of nodes. It is drawn in the place of the
+/// body's own faces, and may touch others in their place.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(
     feature = "serde-serialize",
@@ -156,6 +157,8 @@ pub struct Skin {
     pub triangles: Vec<[u32; 3]>,
     /// Per vertex: up to eight nodes and their weights, which sum to 1 (unused places have weight 0).
     pub bindings: Vec<Binding>,
+    /// Whether it touches others, in the place of the nodes.
+    pub touches: bool,
 }
 
 /// Eight nodes and weights: where a skin vertex is, given its nodes.
@@ -171,6 +174,16 @@ pub struct Binding {
     pub weights: [Real; 8],
 }
 
+impl Binding {
+    /// The nodes that count, and their weights.
+    pub fn parts(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let parts = self.nodes.iter().zip(self.weights);
+        parts
+            .filter(|(_, weight)| *weight != 0.0)
+            .map(|(&node, weight)| (node as usize, f64::from(weight)))
+    }
+}
+
 /// Nodes, springs, surface faces and an optional skin, at rest.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Net {
@@ -180,7 +193,7 @@ pub struct Net {
     pub springs: Vec<Spring>,
     /// Surface triangles over the nodes, counter-clockwise seen from outside; both sides count for a sheet.
     pub faces: Vec<[u32; 3]>,
-    /// A finer surface for pictures.
+    /// A finer surface for pictures, and for contact if it says so.
     pub skin: Option<Skin>,
 }
 

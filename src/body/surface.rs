@@ -40,13 +40,12 @@ impl Surface {
         }
     }
 
-    /// Checks that the surface is watertight: finite vertices, no triangle without area, and every edge in exactly two
-    /// triangles that run along it in opposite directions.
+    /// Checks that there are triangles, all of finite vertices and none without area.
     ///
     /// # Errors
     /// [`BuildError::Empty`] without triangles, [`BuildError::NodeVector`] for a vertex that is not finite,
-    /// [`BuildError::IndexOutOfRange`], [`BuildError::FlatTriangle`] or [`BuildError::OpenSurface`].
-    pub fn check_closed(&self) -> Result<(), BuildError> {
+    /// [`BuildError::IndexOutOfRange`] or [`BuildError::FlatTriangle`].
+    pub fn check_triangles(&self) -> Result<(), BuildError> {
         if self.triangles.is_empty() {
             return Err(BuildError::Empty);
         }
@@ -58,8 +57,6 @@ impl Surface {
             });
         }
         let count = self.vertices.len() as u32;
-        // Per edge, low vertex first: uses in that direction and in the other.
-        let mut edges = BTreeMap::<(u32, u32), (u32, u32)>::new();
         for (index, &triangle) in self.triangles.iter().enumerate() {
             if let Some(&node) = triangle.iter().find(|&&v| v >= count) {
                 return Err(BuildError::IndexOutOfRange {
@@ -79,6 +76,20 @@ impl Surface {
                     area: area as f32,
                 });
             }
+        }
+        Ok(())
+    }
+
+    /// Checks that the surface is watertight: sound triangles, and every edge in exactly two of them, which run along it in
+    /// opposite directions.
+    ///
+    /// # Errors
+    /// Those of [`Self::check_triangles`], and [`BuildError::OpenSurface`].
+    pub fn check_closed(&self) -> Result<(), BuildError> {
+        self.check_triangles()?;
+        // Per edge, low vertex first: uses in that direction and in the other.
+        let mut edges = BTreeMap::<(u32, u32), (u32, u32)>::new();
+        for &triangle in &self.triangles {
             for (a, b) in edges_of(triangle) {
                 let uses = edges.entry((a.min(b), a.max(b))).or_default();
                 *(if a < b { &mut uses.0 } else { &mut uses.1 }) += 1;

@@ -1,13 +1,13 @@
 //! Nodes near one target, and their rows.
 
 use super::form::Form;
-use super::site::{Site, slot};
+use super::site::Site;
 use super::solid_nodes::SolidNodes;
 use super::soup_nodes::SoupNodes;
 use super::target::{Frame, Target};
 use crate::body::state::State;
 use crate::math::Real;
-use crate::solve::rows::{Row, Rows, Term};
+use crate::solve::rows::{Row, Rows};
 
 /// The nodes of one body near one target, and what is remembered of those that touch it.
 #[derive(Clone, Debug)]
@@ -115,11 +115,10 @@ impl Nodes {
 
 /// Adds the row of a node.
 pub fn add(i: u32, target: &Target, row: Row, site: &mut Site) {
-    let node = slot(site.side.body, i, site.side.state, site.slots, site.rows);
-    let terms = site.rows.add_terms([Term {
-        node,
-        weight: 1.0,
-        share: target.node_share,
-    }]);
+    let first = site.rows.terms.len();
+    let whole = (1.0, target.node_share);
+    let carrier = site.side.carrier;
+    carrier.add_terms(i, whole, site.slots, site.rows);
+    let terms = site.rows.terms_since(first);
     site.rows.contacts.push(Row { terms, ..row });
 }

@@ -1,6 +1,7 @@
 //! Where rows come from and go: the body, the collider's shadow, what is near enough, and the rows of the group.
 
 use super::target::Frame;
+use crate::body::Binding;
 use crate::body::state::State;
 use crate::body::topology::Topology;
 use crate::math::{DVec3, Real};
@@ -30,16 +31,50 @@ impl Reach {
 /// A body of the group in a substep, for contact.
 #[derive(Clone, Copy)]
 pub struct Side<'a> {
-    /// Index within the group.
-    pub body: u32,
-    /// Where its nodes are.
+    /// Where the points are that can touch: nodes, or those of an embedded skin.
     pub state: &'a State<Real>,
-    /// Its faces and edges.
+    /// Their faces and edges.
     pub topology: &'a Topology,
+    /// What carries them.
+    pub carrier: Carrier<'a>,
+}
+
+/// What carries the points of a surface: they are nodes, or weighted means of nodes.
+#[derive(Clone, Copy)]
+pub struct Carrier<'a> {
+    /// Index of the body within the group.
+    pub body: u32,
+    /// Its nodes.
+    pub nodes: &'a State<Real>,
+    /// Which nodes carry each point, where the points are not nodes.
+    pub bindings: Option<&'a [Binding]>,
+}
+
+impl Carrier<'_> {
+    /// Adds the terms of a point of this weight, of whose impulse the body takes `share`.
+    pub fn add_terms(
+        &self,
+        point: u32,
+        (weight, share): (f64, f64),
+        slots: &mut [u32],
+        rows: &mut Rows,
+    ) {
+        let mut add = |node: usize, weight: f64| {
+            let node = slot(self.body, node as u32, self.nodes, slots, rows);
+            rows.add_term(node, weight, share);
+        };
+        match self.bindings {
+            None => add(point as usize, weight),
+            Some(bindings) => {
+                let parts = bindings[point as usize].parts();
+                parts.for_each(|(node, part)| add(node, weight * part));
+            }
+        }
+    }
 }
 
 impl Side<'_> {
-    /// The box around its nodes in a frame \[m\].
+    /// The box around its points in a frame \[m\].
     pub fn bounds(&self, frame: &Frame) -> (DVec3, DVec3) {
         let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let nodes = 0..self.state.particles.len() as u32;

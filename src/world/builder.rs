@@ -5,7 +5,9 @@ use super::into::{IntoNet, IntoTetMesh};
 use super::params::Substeps;
 use super::sleep::Sleep;
 use crate::body::error::{not_negative, positive};
-use crate::body::{Blueprint, BuildError, Material, Net, Node, Solid, SolidMesh, Topology};
+use crate::body::{
+    self, Blueprint, BuildError, Embedded, Material, Net, Node, Solid, SolidMesh, Topology,
+};
 use crate::contact::encounter::outline;
 use crate::contact::target::{Surface, wide_rotation};
 use crate::math::{DVec3, Pose, Real, Rotation, Vector, narrow, wide};
@@ -15,6 +17,17 @@ use crate::solve::{Integrator, Solver};
 use rapier3d::dynamics::CoefficientCombineRule;
 use rapier3d::geometry::InteractionGroups;
 use std::sync::Arc;
+
+/// What the skin of a body is for.
+#[derive(Clone, Debug)]
+enum SkinUse {
+    /// Pictures.
+    Drawn,
+    /// That of the net touches others.
+    Touches,
+    /// This one does, bound to the mesh of tets.
+    Embedded(body::Surface),
+}
 
 type Region = Arc<dyn Fn(Vector) -> bool + Send + Sync>;
 
@@ -37,6 +50,7 @@ type Region = Arc<dyn Fn(Vector) -> bool + Send + Sync>;
 pub struct DeformableBuilder {
     net: Result<Net, BuildError>,
     solid: Option<SolidMesh>,
+    skin: SkinUse,
     pins: Vec<Region>,
     material: Option<Material>,
     regions: Vec<(Region, Material)>,
@@ -61,6 +75,7 @@ impl DeformableBuilder {
         Self {
             net: net.into_net(),
             solid: None,
+            skin: SkinUse::Drawn,
             pins: Vec::new(),
             material: None,
             regions: Vec::new(),
@@ -104,6 +119,37 @@ impl DeformableBuilder {
             },
             Err(error) => Self::new(Err(error)),
         }
+    }
+
+    /// A finer surface that a mesh of tets carries: it is drawn, and touches others, in the place of the mesh's own surface. What
+    /// pushes it pushes the nodes of the tets it is bound to. The mesh should fill the surface, and may stand out of it.
+    /// Rays and other queries, sensors and attachments see the mesh.
+    ///
+    /// ```
+    /// use crumple::body::Surface;
+    /// use crumple::prelude::*;
+    /// use crumple::rapier3d::prelude::*;
+    /// use crumple::shape::{TetSplit, tet_box};
+    /// // A ball of 1,200 triangles in a box of 40 tets.
+    /// let (vertices, triangles) = Ball::new(0.5).to_trimesh(24, 24);
+    /// let mesh = tet_box(Vector::splat(1.0), 0.5, TetSplit::Five)?;
+    /// let body = DeformableBuilder::tets(mesh, Solid::new(1.0e6, 0.3, 900.0))
+    ///     .embed(Surface::new(vertices, triangles))
+    ///     .build()?;
+    /// assert_eq!(body.node_count(), 27);
+    /// assert!(body.skin_positions().len() > 500);
+    /// # Ok::<(), crumple::body::BuildError>(())
+    /// ```
+    pub fn embed(mut self, surface: body::Surface) -> Self {
+        self.skin = SkinUse::Embedded(surface);
+        self
+    }
+
+    /// Lets the skin that a net has for pictures touch others, in the place of its nodes, as that of
+    /// [`Self::embed`]. The net of a [filled surface](crate::shape::filled) has one.
+    pub fn touch_by_skin(mut self) -> Self {
+        self.skin = SkinUse::Touches;
+        self
     }
 
     /// Pins the nodes whose place in the body's own frame satisfies `which`.
@@ -323,10 +369,20 @@ impl DeformableBuilder {
         for pins in &self.pins {
             net = net.pin(|x| pins(x));
         }
+        match (self.skin, &self.solid) {
+            (SkinUse::Drawn, _) => {}
+            (SkinUse::Touches, _) => net.skin.as_mut().ok_or(BuildError::NoSkin)?.touches = true,
+            (SkinUse::Embedded(surface), Some(solid)) => {
+                net.skin = Some(solid.mesh.bind(&surface)?);
+            }
+            (SkinUse::Embedded(_), None) => return Err(BuildError::SkinWithoutTets),
+        }
         let mut blueprint = Blueprint::resolve(net, material_at, self.total_mass)?;
         blueprint.solid = self.solid.map(Arc::new);
         let thickness = not_negative("the thickness", self.surface.thickness.into())?;
-        let limit = 0.5 * outline::spacing(&blueprint);
+        let embedded = Embedded::of(&blueprint);
+        let touching = embedded.as_ref().map_or(&blueprint, |e| &e.blueprint);
+        let limit = 0.5 * outline::spacing(touching);
         if thickness > limit {
             return Err(BuildError::TooThick { thickness, limit });
         }
@@ -353,6 +409,7 @@ impl DeformableBuilder {
             slots: vec![u32::MAX; state.particles.len()],
             backup: state.clone(),
             topology: Arc::new(Topology::of(&blueprint)),
+            embedded,
             blueprint,
             state,
             solver,
@@ -378,6 +435,7 @@ impl DeformableBuilder {
             }
         }
         body.datum = com;
+        body.follow();
         Ok(body)
     }
 }

@@ -4,7 +4,7 @@ use super::motion::Start;
 use super::params::{DeformableParameters, Substeps};
 use super::sleep::Sleep;
 use crate::body::search::tree::Cache;
-use crate::body::{Blueprint, NodeId, SpringId, State, Topology};
+use crate::body::{Blueprint, Embedded, NodeId, SpringId, State, Topology};
 use crate::contact::encounter::outline::Outline;
 use crate::contact::target::Surface;
 use crate::math::{DVec3, Real, Vector, narrow};
@@ -23,6 +23,8 @@ pub struct Deformable {
     /// Made when it first meets another deformable.
     pub(super) outline: Option<Box<Outline>>,
     pub(super) topology: Arc<Topology>,
+    /// What touches in their place.
+    pub(super) embedded: Option<Box<Embedded>>,
     pub(super) gravity_scale: Real,
     pub(super) integrator: Option<Integrator>,
     pub(super) substeps: Option<Substeps>,
@@ -228,12 +230,8 @@ impl Deformable {
         skin.bindings
             .iter()
             .map(|binding| {
-                let local: DVec3 = binding
-                    .nodes
-                    .iter()
-                    .zip(binding.weights)
-                    .map(|(&n, w)| self.state.local(n as usize) * f64::from(w))
-                    .sum();
+                let parts = binding.parts();
+                let local: DVec3 = parts.map(|(n, w)| self.state.local(n) * w).sum();
                 narrow(self.state.origin + local)
             })
             .collect()

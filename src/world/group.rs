@@ -108,7 +108,7 @@ impl DeformableWorld {
             };
             body.sleep.beside_rigid = reach.targets.iter().any(|t| t.body.is_some());
             let member = group.members.len();
-            let (moved, spacing) = ((body.edits, body.shifted), body.topology.spacing);
+            let (moved, spacing) = ((body.edits, body.shifted), body.contact_topology().spacing);
             group.members.push((reach.handle, body));
             let mut candidates = Vec::new();
             for mut target in reach.targets {
@@ -254,6 +254,7 @@ impl DeformableWorld {
             .iter()
             .all(|s| s.impulse.is_finite() && s.torque.is_finite());
         group.release();
+        group.follow();
         let splits = group.splits(parts, dt);
         self.drowsy.extend(group.as_drowsy(dt, &self.params));
         let near = group.near_bodies(NEAR * parts.length_unit());
@@ -368,7 +369,7 @@ impl Deformable {
     /// A bound on how fast any node goes into the coming substep \[m/s\]: the integration pass has seen velocities before
     /// rows, and how far nodes moved tells what rows did to them.
     pub(super) fn fastest(&self) -> f64 {
-        let speed = f64::from(self.solver.speed_squared).sqrt();
+        let speed = self.gain() * f64::from(self.solver.speed_squared).sqrt();
         if self.h > 0.0 {
             speed.max(self.moved / self.h)
         } else {

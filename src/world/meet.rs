@@ -158,7 +158,7 @@ impl DeformableWorld {
             for i in [a, b] {
                 let body = &mut group.members[i].1;
                 if body.outline.is_none() {
-                    body.outline = Some(Box::new(Outline::new(&body.blueprint)));
+                    body.outline = Some(Box::new(Outline::new(body.contact_blueprint())));
                 }
             }
             let bodies = [a, b].map(|i| &group.members[i].1);
@@ -254,7 +254,9 @@ pub(super) fn find_rows(
         return;
     };
     let moved = h * (a.fastest() + b.fastest());
-    let (Some(of_a), Some(of_b)) = (&mut a.outline, &mut b.outline) else {
+    // Taken out for as long as the rest of the bodies is looked at.
+    let [Some(mut of_a), Some(mut of_b)] = [&mut *a, &mut *b].map(|body| body.outline.take())
+    else {
         return;
     };
     let slack = h * s.length_unit;
@@ -264,19 +266,23 @@ pub(super) fn find_rows(
         slack,
         farthest: s.touching + slack + 2.0 * moved,
     };
-    let searched = [(&a.state, &mut **of_a), (&b.state, &mut **of_b)];
+    let (side_a, slots_a) = a.side(encounter.members[0]);
+    let (side_b, slots_b) = b.side(encounter.members[1]);
+    let searched = [(side_a.state, &mut *of_a), (side_b.state, &mut *of_b)];
     encounter.refresh(
         searched.map(|(state, outline)| Searched { state, outline }),
         moved,
         reach.farthest,
     );
-    let origin = a.state.origin;
+    let origin = side_a.state.origin;
     let mut bodies = Bodies {
         posed: [
-            Posed::new(of_a, &a.state, origin),
-            Posed::new(of_b, &b.state, origin),
+            Posed::new(&of_a, side_a.state, origin),
+            Posed::new(&of_b, side_b.state, origin),
         ],
-        slots: [&mut a.slots, &mut b.slots],
+        carriers: [side_a.carrier, side_b.carrier],
+        slots: [slots_a, slots_b],
     };
     encounter.add_rows(&mut bodies, rows, reach);
+    (a.outline, b.outline) = (Some(of_a), Some(of_b));
 }

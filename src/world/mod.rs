@@ -10,6 +10,7 @@ mod debug;
 mod debug_backend;
 mod deformable;
 mod edit;
+mod embed;
 mod energies;
 mod group;
 mod hooks;

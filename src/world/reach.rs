@@ -116,7 +116,7 @@ impl<'a> Search<'a> {
 impl Deformable {
     /// The box around its nodes, grown by a margin \[m\].
     pub(super) fn box_within(&self, margin: f64) -> Aabb {
-        let (lo, hi) = self.bounds();
+        let (lo, hi) = self.contact_bounds();
         // f32 corners far from the origin are coarse.
         let margin = margin + (lo.abs().max(hi.abs()) * 2e-7).max_element();
         Aabb::new(narrow(lo - margin), narrow(hi + margin))

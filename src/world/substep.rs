@@ -11,7 +11,7 @@ use super::{Deformable, DeformableHandle, meet};
 use crate::body::SpringId;
 use crate::contact::candidates::Candidates;
 use crate::contact::encounter::Encounter;
-use crate::contact::site::{Reach, Side, Site};
+use crate::contact::site::{Reach, Site};
 use crate::math::DVec3;
 use crate::solve::rows::{RowNode, Rows};
 use crate::solve::shadow::Shadow;
@@ -161,7 +161,9 @@ impl Group {
         for (m, ((_, body), candidates)) in
             (0..).zip(self.members.iter_mut().zip(&mut self.candidates))
         {
-            let speed = body.fastest();
+            body.follow();
+            let (speed, moved) = (body.fastest(), body.moved);
+            let (side, slots) = body.side(m);
             for c in candidates.iter_mut() {
                 let shadow = &self.shadows[c.target.shadow as usize];
                 let closing = h * (speed + c.target.speed(shadow));
@@ -173,17 +175,13 @@ impl Group {
                     farthest: s.touching + slack + 2.0 * closing,
                 };
                 let site = Site {
-                    side: Side {
-                        body: m,
-                        state: &body.state,
-                        topology: &body.topology,
-                    },
+                    side,
                     shadow,
-                    slots: &mut body.slots,
+                    slots,
                     rows: &mut self.rows,
                     reach,
                 };
-                c.find_rows(site, body.moved, closing, s.near);
+                c.find_rows(site, moved, closing, s.near);
             }
         }
         for encounter in &mut self.encounters {
@@ -233,7 +231,7 @@ impl Group {
             } else {
                 2.0
             };
-            body.moved += mean * h * speed;
+            body.moved = body.gain() * (body.moved + mean * h * speed);
         }
     }
 
@@ -316,7 +314,12 @@ impl Group {
                     continue;
                 };
                 near[i] = near[i]
-                    || c.any_within(&body.state, &self.shadows[i + 1], body.moved, distance);
+                    || c.any_within(
+                        body.contact_state(),
+                        &self.shadows[i + 1],
+                        body.moved,
+                        distance,
+                    );
             }
         }
         for a in self.attachments.iter().filter(|a| !a.bond.is_broken()) {

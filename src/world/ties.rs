@@ -61,7 +61,7 @@ impl Attached {
 }
 
 impl Group {
-    /// The nodes of each of two members that are welded or pinned to the other, or that the other is held by.
+    /// The points of each of two members that are welded or pinned to the other, or that the other is held by.
     pub(super) fn attached_nodes(&self, members: [u32; 2]) -> [Vec<u32>; 2] {
         let mut nodes: [Vec<u32>; 2] = Default::default();
         for a in &self.attachments {
@@ -75,7 +75,8 @@ impl Group {
                 nodes[if part.other { 1 - k } else { k }].push(part.node);
             }
         }
-        nodes
+        let of = |k: usize| self.members[members[k] as usize].1.points_of(&nodes[k]);
+        [of(0), of(1)]
     }
 
     pub(super) fn add_attachment(

@@ -15,8 +15,9 @@ impl Group {
         for row in &self.rows.contacts {
             let terms = self.rows.terms_of(row.terms);
             let shadow = &self.shadows[row.shadow as usize];
+            let ends = Ends::of(&self.rows.nodes, terms);
             let meeting = if row.between {
-                0.5 * mean_velocity(&self.members, &self.rows.nodes, terms, f64::abs)
+                0.5 * ends.mean_velocity(&self.members, terms)
             } else {
                 0.5 * (shadow.velocity_before(row.arm) + shadow.velocity_at(row.arm))
             };
@@ -36,14 +37,14 @@ impl Group {
                 if i == 1 && !row.between {
                     break;
                 }
-                let of_this = |t: &&Term| t.weight * sign > 0.0;
+                let of_this = |t: &&Term| ends.sign(t) == sign;
                 let share: f64 = terms.iter().filter(of_this).map(|t| t.share).sum();
                 let sums = &mut self.pairs[pair + i];
                 sums.impulse += impulse * share;
                 sums.depth = sums.depth.max(row.depth);
                 sums.touching += u32::from(pressed);
                 if pressed {
-                    let point = point(&self.members, &self.rows.nodes, terms, sign);
+                    let point = ends.point(&self.members, terms, sign);
                     self.sums[pair + i].add_row(point, row.normal * sign, row.normal_impulse);
                 }
             }
@@ -63,10 +64,12 @@ impl Group {
             if impulse == DVec3::ZERO {
                 continue;
             }
-            list.extend(self.rows.terms_of(row.terms).iter().map(|term| {
+            let terms = self.rows.terms_of(row.terms);
+            let ends = Ends::of(&self.rows.nodes, terms);
+            list.extend(terms.iter().map(|term| {
                 let node = &self.rows.nodes[term.node as usize];
                 // The nodes of the other deformable belong to the second pair.
-                let pair = row.pair as usize + usize::from(row.between && term.weight < 0.0);
+                let pair = row.pair as usize + usize::from(ends.sign(term) < 0.0);
                 NodeImpulse {
                     deformable: self.members[node.body as usize].0,
                     node: NodeId(node.node),
@@ -78,14 +81,59 @@ impl Group {
     }
 }
 
-/// Where a row acts on its first body, or with a sign of −1 on its second \[m\].
-fn point(members: &Members, nodes: &[RowNode], terms: &[Term], sign: f64) -> DVec3 {
-    let place = |t: &Term| {
-        let node = &nodes[t.node as usize];
-        let body = &members[node.body as usize].1;
-        body.state.position(node.node as usize) * (t.weight * sign).max(0.0)
-    };
-    terms.iter().map(place).sum()
+/// The two points of a row between deformables, or the one of any other: the weights of the first body's nodes sum to 1, those
+/// of the other's to −1. Single weights tell nothing: a point outside of the tet that carries it has some of either sign.
+struct Ends<'a> {
+    nodes: &'a [RowNode],
+    first: u32,
+}
+
+impl<'a> Ends<'a> {
+    fn of(nodes: &'a [RowNode], terms: &[Term]) -> Self {
+        let body = |t: &Term| nodes[t.node as usize].body;
+        let some = terms.first().map_or(0, body);
+        let own = terms.iter().filter(|t| body(t) == some);
+        let others = terms.iter().map(body).find(|b| *b != some);
+        let is_first = own.map(|t| t.weight).sum::<f64>() > 0.0;
+        let first = if is_first {
+            some
+        } else {
+            others.unwrap_or(some)
+        };
+        Self { nodes, first }
+    }
+
+    fn node(&self, term: &Term) -> &RowNode {
+        &self.nodes[term.node as usize]
+    }
+
+    fn sign(&self, term: &Term) -> f64 {
+        if self.node(term).body == self.first {
+            1.0
+        } else {
+            -1.0
+        }
+    }
+
+    /// Where a row acts on its first body, or with a sign of −1 on its second \[m\].
+    fn point(&self, members: &Members, terms: &[Term], sign: f64) -> DVec3 {
+        let place = |t: &Term| {
+            let node = self.node(t);
+            let body = &members[node.body as usize].1;
+            body.state.position(node.node as usize) * (t.weight * sign)
+        };
+        let own = terms.iter().filter(|t| self.sign(t) == sign);
+        own.map(place).sum()
+    }
+
+    /// The sum of the mean velocities of its points \[m/s\].
+    fn mean_velocity(&self, members: &Members, terms: &[Term]) -> DVec3 {
+        let velocity = |t: &Term| {
+            let node = self.node(t);
+            mean(&members[node.body as usize].1, node) * (t.weight * self.sign(t))
+        };
+        terms.iter().map(velocity).sum()
+    }
 }
 
 /// Leapfrog velocities stand at half substeps: the trapezoid of the displacements before and after the impulse. The other
@@ -96,20 +144,6 @@ fn mean(body: &Deformable, node: &RowNode) -> DVec3 {
     } else {
         node.before + 0.5 * (node.v - node.free)
     }
-}
-
-/// The sum of the nodes' mean velocities by the weights after `of` \[m/s\].
-fn mean_velocity(
-    members: &Members,
-    nodes: &[RowNode],
-    terms: &[Term],
-    of: impl Fn(f64) -> f64,
-) -> DVec3 {
-    let velocity = |t: &Term| {
-        let node = &nodes[t.node as usize];
-        mean(&members[node.body as usize].1, node) * of(t.weight)
-    };
-    terms.iter().map(velocity).sum()
 }
 
 /// The velocity whose product with an impulse on a node is its work, and where to book it. Whatever holds a pinned node

@@ -54,6 +54,7 @@ pub(super) fn bind(
         vertices: surface.vertices.clone(),
         triangles: surface.triangles.clone(),
         bindings: surface.vertices.iter().map(|v| bind(wide(*v))).collect(),
+        touches: false,
     }
 }
 

@@ -3,6 +3,7 @@
 //! Positions are `f64`: gradients of shape functions are differences of neighbouring positions, and a mesh that comes
 //! from a file far from the origin would lose its strains' last digits before the first step.
 
+mod bind;
 mod faces;
 mod midpoints;
 mod moduli;

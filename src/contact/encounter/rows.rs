@@ -5,15 +5,17 @@ use super::edge;
 use super::node::{Found, Query};
 use super::posed::Posed;
 use super::touch::{Touch, Touches};
-use crate::contact::site::{Reach, slot};
+use crate::contact::site::{Carrier, Reach};
 use crate::law::row::{Lift, softness};
 use crate::math::DVec3;
-use crate::solve::rows::{Row, Rows, Term};
+use crate::solve::rows::{Row, Rows};
 
 /// The two bodies of an encounter in a substep.
 pub struct Bodies<'a> {
     /// Where they are.
     pub posed: [Posed<'a>; 2],
+    /// What carries their points.
+    pub carriers: [Carrier<'a>; 2],
     /// Maps of their nodes to row nodes (`u32::MAX`: none yet).
     pub slots: [&'a mut [u32]; 2],
 }
@@ -207,23 +209,12 @@ impl Encounter {
         if depth.is_nan() || depth < -reach.at(closing) {
             return;
         }
-        let used = draft.terms.into_iter().filter(|t| t.2 != 0.0);
-        let mut terms = [Term {
-            node: 0,
-            weight: 0.0,
-            share: 0.0,
-        }; 4];
-        let mut count = 0;
-        for (body, node, weight) in used {
-            let (state, slots) = (bodies.posed[body].state, &mut *bodies.slots[body]);
-            terms[count] = Term {
-                node: slot(self.members[body], node, state, slots, rows),
-                weight,
-                share: weight * self.manners.shares[body],
-            };
-            count += 1;
+        let first = rows.terms.len();
+        for (body, point, weight) in draft.terms.into_iter().filter(|t| t.2 != 0.0) {
+            let part = (weight, self.manners.shares[body]);
+            bodies.carriers[body].add_terms(point, part, bodies.slots[body], rows);
         }
-        let terms = rows.add_terms(terms[..count].iter().copied());
+        let terms = rows.merge_terms_since(first);
         let (here, normal) = (depth >= -reach.touching, touch.normal);
         let stiffness = self.manners.stiffness;
         rows.contacts.push(Row {

@@ -3,11 +3,11 @@
 use super::part::Convex;
 use super::patch::Patch;
 use crate::contact::distance::Crossing;
-use crate::contact::site::{Site, slot};
+use crate::contact::site::Site;
 use crate::contact::target::{Frame, Target};
 use crate::contact::touches::{Hold, Key, Touches, along};
 use crate::math::DVec3;
-use crate::solve::rows::{Row, Term};
+use crate::solve::rows::Row;
 
 /// A point of a part over or under a face of the deformable, in the part's frame.
 #[derive(Clone, Copy, Debug)]
@@ -299,14 +299,10 @@ impl Making<'_, '_> {
             .found(key, rows.contacts.len(), point.normal, hold);
         let first = rows.terms.len();
         for (&i, weight) in point.nodes.iter().zip(point.weights) {
-            let node = slot(side.body, i, side.state, slots, rows);
-            rows.terms.push(Term {
-                node,
-                weight,
-                share: weight * self.target.node_share,
-            });
+            let part = (weight, self.target.node_share);
+            side.carrier.add_terms(i, part, slots, rows);
         }
-        let terms = rows.terms_since(first);
+        let terms = rows.merge_terms_since(first);
         // Rows that share nodes converge slowly from nothing; those of single nodes do not share any.
         let (normal_impulse, friction_impulse) = self.touches.impulse(key);
         rows.contacts.push(Row {

@@ -188,6 +188,36 @@ impl Rows {
         self.ties.clear();
     }
 
+    /// Adds a term: a row node, its weight, and how much of an impulse by that weight it takes.
+    #[inline(always)]
+    pub fn add_term(&mut self, node: u32, weight: f64, share: f64) {
+        self.terms.push(Term {
+            node,
+            weight,
+            share: weight * share,
+        });
+    }
+
+    /// The terms that have been added since there were `first`, those of the same node as one: a node feels a row once.
+    pub fn merge_terms_since(&mut self, first: usize) -> Terms {
+        let mut end = first;
+        for i in first..self.terms.len() {
+            let term = self.terms[i];
+            let known = self.terms[first..end]
+                .iter_mut()
+                .find(|t| t.node == term.node);
+            if let Some(known) = known {
+                known.weight += term.weight;
+                known.share += term.share;
+            } else {
+                self.terms[end] = term;
+                end += 1;
+            }
+        }
+        self.terms.truncate(end);
+        self.terms_since(first)
+    }
+
     /// Adds the terms of a row: row nodes, weights, and what each takes of the impulse.
     pub fn add_terms(&mut self, terms: impl IntoIterator<Item = Term>) -> Terms {
         let first = self.terms.len();

@@ -1,7 +1,7 @@
 //! A deformable as it is saved: blueprint, state and settings. Tables, topology and elements follow from these, so a
 //! snapshot does not depend on how a kernel lays them out.
 
-use crate::body::{Blueprint, BuildError, State, Topology};
+use crate::body::{Blueprint, BuildError, Embedded, State, Topology};
 use crate::contact::encounter::outline::Outline;
 use crate::contact::target::Surface;
 use crate::math::{DVec3, Real, Vector};
@@ -173,11 +173,14 @@ impl Saved {
             speed_squared: self.speed_squared,
             ..solver
         };
+        let embedded = Embedded::of(&blueprint);
+        let touching = embedded.as_ref().map_or(&blueprint, |e| &e.blueprint);
         Ok(Deformable {
             slots: vec![u32::MAX; state.particles.len()],
             backup: state.clone(),
             topology: Arc::new(Topology::of(&blueprint)),
-            outline: self.met.then(|| Box::new(Outline::new(&blueprint))),
+            outline: self.met.then(|| Box::new(Outline::new(touching))),
+            embedded,
             blueprint,
             state,
             solver,

@@ -132,6 +132,7 @@ fn skins() {
             };
             3
         ],
+        touches: true,
     };
     let refused = |change: fn(&mut Skin)| {
         let mut skin = skin();

@@ -1,6 +1,7 @@
 //! Contact of nodes with every shape a collider can have.
 
 mod changes;
+mod embed;
 mod fast;
 mod features;
 mod shapes;

@@ -142,8 +142,8 @@ fn v32_rigid_mass_on_a_bar_of_tets() {
     close("peak force over ρcAv", peak / 447.214, 2.44, 0.03);
 }
 
-/// A ball of radius 1 m, finest at its lowest point: a cube whose grid is drawn together there, mapped smoothly. Edges inside
-/// are straight, the middle nodes of the surface lie on the sphere.
+/// A ball of radius 1 m, finest at its lowest point: a cube whose grid is drawn together there, mapped smoothly. Around that
+/// point the middle nodes of the surface lie on the sphere, all other edges are straight.
 fn ball(cells: f32) -> TetMesh {
     let mut mesh = tet_box(Vector::splat(2.0), 2.0 / cells, TetSplit::Five).unwrap();
     for p in &mut mesh.nodes {
@@ -157,25 +157,27 @@ fn ball(cells: f32) -> TetMesh {
     let mut mesh = mesh.quadratic();
     for face in mesh.faces.clone().into_iter().flatten() {
         let node = &mut mesh.nodes[face as usize];
-        *node = node.normalize();
+        if node.y < 0.0 && node.x.hypot(node.z) < 0.55 {
+            *node = node.normalize();
+        }
     }
     mesh.check().unwrap();
     mesh
 }
 
 /// Hertz: an elastic ball against a rigid plane, slowly. Contact lasts 2.943 δ/v, with δ = (5mv²/4K)^⅖, K = 4/3·E*·√R, and the
-/// force grows to K·δ^1.5.
+/// force grows to K·δ^1.5. The theory is for small δ/R, 1.4 % here. With 8, 10 and 12 cells across the ball the force is 4.9,
+/// 3.4 and 2.8 % too large, the contact 3.2, 3.6 and 2.4 % too short.
 #[test]
-#[ignore = "not met: the force is 5.6 % too large, the contact 4.5 % too short"]
 fn hertz_a_ball_on_a_plane() {
-    let (young, poisson, density, v) = (1.0e7, 0.3, 1000.0, 0.5_f64);
+    let (young, poisson, density, v) = (1.0e7, 0.3, 1000.0, 0.25_f64);
     let mut world = weightless(1e-3);
     world.insert(
         RigidBodyBuilder::fixed().translation(Vector::new(0.0, -2.0, 0.0)),
         ColliderBuilder::cuboid(5.0, 1.0, 5.0).friction(0.0),
     );
     let mut deformables = DeformableWorld::default();
-    let ball = DeformableBuilder::tets(ball(8.0), Solid::new(young, poisson, density))
+    let ball = DeformableBuilder::tets(ball(10.0), Solid::new(young, poisson, density))
         .friction(0.0)
         .translation(Vector::new(0.0, 1e-4, 0.0))
         .linvel(Vector::new(0.0, -v as f32, 0.0));
