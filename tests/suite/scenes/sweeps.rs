@@ -317,7 +317,7 @@ fn a_variant_that_panics_is_one_that_cant_be_run() {
 #[ignore = "measures: run it alone"]
 fn a_sweep_keeps_its_workers_busy() {
     let dir = folder("pace");
-    let slow = STONE.replace("duration: 1)", "duration: 1, dt: 1e-6)");
+    let slow = STONE.replace("duration: 1)", "duration: 1, dt: 2e-6)");
     let slow = slow.replace("duration: 1,", "duration: 1, history: 1e-2, energy: 1e-2,");
     let load = |options: &LoadOptions| Scenario::parse(&slow, Path::new("stone.ron"), options);
     for jobs in [1, 2] {
