@@ -169,7 +169,7 @@ fn changed_scene_files_are_errors_or_scenes() {
     });
 }
 
-/// What loads is built, or an error says why not; `BUILD_CASES=10000` tries more.
+/// What loads is built, or an error says why not; `BUILD_CASES=100000` tries more.
 #[test]
 fn changed_scenes_are_built_or_refused() {
     let valid = valid();
@@ -177,7 +177,7 @@ fn changed_scenes_are_built_or_refused() {
         .ok()
         .and_then(|n| n.parse().ok());
     let config = ProptestConfig {
-        cases: cases.unwrap_or(500),
+        cases: cases.unwrap_or(10_000),
         failure_persistence: None,
         ..ProptestConfig::default()
     };
