@@ -89,7 +89,7 @@ fn load(source: &Source, top: &Path, options: &LoadOptions) -> Result<Scenario, 
     d.more = problems.len().saturating_sub(MOST);
     problems.truncate(MOST);
     d.problems = problems;
-    unused(&tree, &mut d);
+    unused(&tree, options, &mut d);
     collect_names(&tree, &mut d);
     let materials = tree.get("materials").and_then(Node::fields).unwrap_or(&[]);
     d.materials = materials

@@ -45,7 +45,7 @@
 //! Wherever a number stands, a text is a [formula]: `"speed"` is the variable, `"speed / 3.6"` something made of it. Both
 //! RON and JSON take that as it is, an editor colours it, and it can't be mistaken, since no place for a number takes a
 //! text. `--set speed=20` on the command line and [`LoadOptions::set`] change a variable. Variables may name each other in any
-//! order; one that nothing names is a mistake. Where nodes are chosen (`pin`,
+//! order; to set one that nothing names is a mistake. Where nodes are chosen (`pin`,
 //! `parts`, attachments, probes), a formula of `x`, `y`, `z` says which, in the body's own frame, with `min_x` to `max_z`
 //! for its corners (a node at 0.6 m is not above 0.6); forces and motions over time are numbers, formulas of `t`, or tables of `(t, value)`.
 //!

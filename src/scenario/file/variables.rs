@@ -145,16 +145,16 @@ fn words(text: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// A variable that nothing names changes nothing: whoever sweeps over it would not notice.
-pub(super) fn unused(tree: &Node, d: &mut Decoder) {
+/// A variable that is set and that nothing names changes nothing: whoever sweeps over it would not notice. One that is not
+/// set does no harm, and what a program writes of a scene, its numbers filled in, is full of them.
+pub(super) fn unused(tree: &Node, options: &LoadOptions, d: &mut Decoder) {
     let mut named = BTreeSet::new();
     collect_words(tree, &mut named);
     for field in tree.get("variables").and_then(Node::fields).unwrap_or(&[]) {
-        if !named.contains(field.key.as_str()) {
+        if set(options, &field.key).is_some() && !named.contains(field.key.as_str()) {
             let key = format!(".variables.{}", field.key);
-            d.within(key, |d| {
-                d.wrong(field.at, |_| "nothing names this variable".into())
-            });
+            let what = "it is set, but nothing names this variable";
+            d.within(key, |d| d.wrong(field.at, |_| what.into()));
         }
     }
 }

@@ -263,10 +263,6 @@ fn what_would_be_passed_over_is_refused() {
             &["deformables[0]", "`low`", "`high`"],
         ),
         (
-            "(variables: (speed: 3, sped: 4), world: (duration: \"speed\"))",
-            &["variables.sped", "nothing"],
-        ),
-        (
             "(frames: [0, 2, 1], world: (duration: 3))",
             &["frames", "1"],
         ),
@@ -469,6 +465,25 @@ fn presets_variables_and_records_are_merged_by_what_they_mean() {
             &["variables.a", "itself"],
         ),
     ]);
+}
+
+/// Who sweeps over a variable that changes nothing is told.
+#[test]
+fn a_variable_that_is_set_is_named_somewhere() {
+    let text = "(about: \"of sped\", variables: (speed: 3, sped: 4), world: (duration: \"speed\"))";
+    let with = |name: &str| {
+        let set = LoadOptions {
+            set: vec![(name.into(), 5.0)],
+            ..LoadOptions::default()
+        };
+        Scenario::parse(text, Path::new("a.ron"), &set)
+    };
+    assert_eq!(with("speed").unwrap().world.duration, 5.0);
+    let shown = with("sped").unwrap_err().to_string();
+    assert!(
+        shown.contains("a.ron:1:") && shown.contains("variables.sped"),
+        "{shown}"
+    );
 }
 
 /// Built-in scenes take any option or say why not.
