@@ -12,10 +12,12 @@ set -eu
 [ $# -ge 2 ] || { sed -n '2,10p' "$0" >&2; exit 2; }
 out=$1
 shift
-program=${CRUMPLE:-crumple}
+# Workers want the whole path.
+program=$(command -v "${CRUMPLE:-crumple}")
 variants=$("$program" sweep "$@" --count)
 mkdir -p "$out/parts"
 hq submit --wait --name crumple --cpus 1 --array "0-$((variants - 1))" --crash-limit 5 \
     --stdout none --stderr "$out/parts/%{TASK_ID}.log" --env "OUT=$out" --env "PROGRAM=$program" -- \
-    sh -c 'exec "$PROGRAM" sweep "$@" --quiet --jobs 1 --only "$HQ_TASK_ID" --out "$OUT/parts/$HQ_TASK_ID"' sh "$@"
+    sh -c 'exec "$PROGRAM" sweep "$@" --quiet --jobs 1 --only "$HQ_TASK_ID" --out "$OUT/parts/$HQ_TASK_ID"' sh "$@" ||
+    echo "some tasks have failed, see $out/parts/*.log" >&2
 exec "$program" merge "$out"/parts/*/ --out "$out"

@@ -5,6 +5,7 @@ use super::write::{draw_energies, draw_pictures, write_channels};
 use super::{Failure, failed, make_writable, progress};
 use crumple::record::write_csv;
 use crumple::report::{Plot, Series as Curve, Stroke};
+use crumple::scenario::file::sweep::number;
 use crumple::scenario::file::{Outcome, Scenario};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -65,7 +66,7 @@ fn draw_probes(outcome: &Outcome, out: &Path) -> Result<(), Failure> {
 fn write_summary(name: &str, outcome: &Outcome, out: &Path) -> Result<(), Failure> {
     let checks = outcome.checks.iter().map(|c| {
         json!({
-            "name": c.name, "measured": c.measured, "bound": c.bound, "time_s": c.time,
+            "name": c.name, "measured": number(c.measured), "bound": c.bound, "time_s": c.time,
             "passed": c.passed,
         })
     });

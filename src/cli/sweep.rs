@@ -2,7 +2,7 @@
 
 use super::{Failure, SceneArguments, progress};
 use crumple::report::{Plot, Series as Curve, Stroke};
-use crumple::scenario::file::sweep::{self, Merged, Sweep, SweepAxis};
+use crumple::scenario::file::sweep::{self, Merged, Pace, Sweep, SweepAxis};
 use crumple::scenario::file::{LoadError, LoadOptions, Scenario, nearest_embedded};
 use std::num::NonZero;
 use std::ops::Range;
@@ -114,13 +114,13 @@ pub fn sweep(arguments: &SweepArguments) -> Result<(), Failure> {
     let out = arguments.out.clone();
     let out = out.unwrap_or_else(|| Path::new("out").join(format!("{}_sweep", scene.stem())));
     let bar = progress(1, arguments.quiet, "variants");
-    sweep.run(&out, |done, total| {
+    let pace = sweep.run(&out, |done, total| {
         bar.set_length(total as u64);
         bar.set_position(done as u64);
     })?;
     bar.finish_and_clear();
     match arguments.only {
-        None => finish(&[&out], &out, arguments.no_pictures),
+        None => finish(&[&out], &out, arguments.no_pictures, Some(pace)),
         // What others run is not missing.
         Some(_) => Ok(()),
     }
@@ -129,11 +129,16 @@ pub fn sweep(arguments: &SweepArguments) -> Result<(), Failure> {
 pub fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
     let first = arguments.folders[0].clone();
     let out = arguments.out.clone().unwrap_or(first);
-    finish(&arguments.folders, &out, arguments.no_pictures)
+    finish(&arguments.folders, &out, arguments.no_pictures, None)
 }
 
 /// Merges, writes, draws, and says what there is. Exit code 1 if a variant failed or is missing.
-fn finish(folders: &[impl AsRef<Path>], out: &Path, no_pictures: bool) -> Result<(), Failure> {
+fn finish(
+    folders: &[impl AsRef<Path>],
+    out: &Path,
+    no_pictures: bool,
+    pace: Option<Pace>,
+) -> Result<(), Failure> {
     let merged = sweep::merge(folders)?;
     merged.write(out)?;
     if !no_pictures {
@@ -142,7 +147,15 @@ fn finish(folders: &[impl AsRef<Path>], out: &Path, no_pictures: bool) -> Result
     print!("{}", table(&merged));
     let passed = merged.variants.iter().filter(|v| v["passed"] == true);
     let (passed, n) = (passed.count(), merged.variants.len());
-    println!("{n} of {} variants, {passed} as expected", merged.total);
+    print!("{n} of {} variants, {passed} as expected", merged.total);
+    if let Some(pace) = pace.filter(|p| p.busy_s > 0.0) {
+        let (share, s) = (100.0 * pace.busy_share(), pace.wall_s);
+        print!(
+            "; {} at once, busy for {share:.1} % of {s:.1} s",
+            pace.workers
+        );
+    }
+    println!();
     println!("written to {}", out.display());
     match passed == merged.total {
         true => Ok(()),

@@ -5,6 +5,7 @@ use crumple::record::Interface;
 use crumple::report::{Stage, charts, contact_sheet};
 use crumple::scenario::Run;
 use crumple::world::Deformable;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 pub fn write_channels(run: &Run, out: &Path) -> Result<(), Failure> {
@@ -72,12 +73,25 @@ pub fn draw_pictures(run: &Run, out: &Path) -> Result<(), Failure> {
         name
     };
     let mut pictures = Vec::new();
-    for frame in &run.frames {
+    let times: Vec<f64> = run.frames.iter().map(|f| f.time * 1.0e3).collect();
+    let digits = digits_apart(&times);
+    for (frame, time) in run.frames.iter().zip(&times) {
         let picture = stage.draw(frame);
-        let file = format!("{name}_{:03.0}ms.png", frame.time * 1.0e3);
+        let width = if digits == 0 { 3 } else { digits + 4 };
+        let file = format!("{name}_{time:0width$.digits$}ms.png");
         picture.save_png(&out.join(file))?;
         pictures.push(picture);
     }
     contact_sheet(&pictures, 2).save_png(&out.join(format!("{name}.png")))?;
     Ok(())
+}
+
+/// How many decimals tell all these numbers from each other; none where some are equal.
+fn digits_apart(numbers: &[f64]) -> usize {
+    let apart = |digits: &usize| {
+        let mut seen = BTreeSet::new();
+        let mut texts = numbers.iter().map(|x| format!("{x:.0$}", *digits));
+        texts.all(|text| seen.insert(text))
+    };
+    (0..6).find(apart).unwrap_or(0)
 }

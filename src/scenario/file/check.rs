@@ -64,6 +64,16 @@ pub(crate) const RATE: Range = Range {
     good: |x| (1.0e-2..=1.0e7).contains(&x),
     must: "from 0.01 to 1e7 Hz",
 };
+/// Shortest substep that is allowed \[s\].
+pub(crate) const SHORTEST: Range = Range {
+    good: |x| (1.0e-9..=0.1).contains(&x),
+    must: "from 1e-9 to 0.1 s",
+};
+/// Passes of an iteration.
+pub(crate) const PASSES: Range = Range {
+    good: |x| (1.0..=1000.0).contains(&x),
+    must: "from 1 to 1000",
+};
 /// How many of something.
 pub(crate) const COUNT: Range = Range {
     good: |x| (1.0..=1.0e6).contains(&x),
@@ -158,14 +168,17 @@ pub(crate) const PROBE: Names = Names(&[Kind::Probe]);
 
 impl Names {
     fn of(&self, name: &str, d: &Decoder) -> Option<String> {
-        let known = || self.0.iter().filter_map(|kind| d.names.get(kind)).flatten();
-        if known().any(|n| n == name) {
+        let known = || self.0.iter().filter_map(|kind| d.names.get(kind));
+        if known().any(|names| names.contains(name)) {
             return None;
+        }
+        if d.is_full() {
+            return Some(String::new());
         }
         let called = Kind::ALL.iter().filter(|(kind, _)| self.0.contains(kind));
         let things: Vec<&str> = called.map(|(_, thing)| *thing).collect();
-        let known: Vec<&str> = known().map(String::as_str).collect();
-        Some(unknown(&things.join(" or "), name, known.into_iter()))
+        let known = known().flatten().map(String::as_str);
+        Some(unknown(&things.join(" or "), name, known))
     }
 }
 

@@ -4,6 +4,7 @@
 //! finds everything that is wrong.
 
 use super::formula::{Formula, Variables};
+use super::model::material::Made;
 use super::problem::{MOST, Problem, unknown};
 use super::tree::{Field, Node, Place, Value};
 use std::collections::{BTreeMap, BTreeSet};
@@ -18,22 +19,26 @@ pub(crate) enum Kind {
     Joint,
     Attachment,
     Probe,
+    Set,
+    SoftBody,
 }
 
 impl Kind {
     /// What one is called.
-    pub const ALL: [(Self, &'static str); 6] = [
+    pub const ALL: [(Self, &'static str); 8] = [
         (Self::Rigid, "rigid body"),
         (Self::Collider, "collider"),
         (Self::Deformable, "deformable"),
         (Self::Joint, "joint"),
         (Self::Attachment, "attachment"),
         (Self::Probe, "probe"),
+        (Self::Set, "set"),
+        (Self::SoftBody, "soft body"),
     ];
 }
 
-/// Decides which file a path in a scene means, or why none.
-pub(crate) type Locate<'a> = &'a dyn Fn(&Path, &str) -> Result<PathBuf, String>;
+/// Decides which file of data a path in a scene means, and how many bytes it has; or why none.
+pub(crate) type Locate<'a> = &'a dyn Fn(&Path, &str) -> Result<(PathBuf, u64), String>;
 
 /// What is known while a scene is decoded, and what is wrong with it.
 pub(crate) struct Decoder<'a> {
@@ -44,6 +49,8 @@ pub(crate) struct Decoder<'a> {
     pub locate: Locate<'a>,
     pub problems: Vec<Problem>,
     pub more: usize,
+    /// Bytes of the files of data that were named so far.
+    pub data_bytes: u64,
     key: Vec<String>,
     looking_up: usize,
 }
@@ -58,6 +65,7 @@ impl<'a> Decoder<'a> {
             locate,
             problems: Vec::new(),
             more: 0,
+            data_bytes: 0,
             key: Vec::new(),
             looking_up: 0,
         }
@@ -77,6 +85,18 @@ impl<'a> Decoder<'a> {
             what: what(self),
         };
         self.problems.push(problem);
+    }
+
+    /// Whether as much is wrong as is listed: then no more is looked for in lists.
+    pub fn is_full(&self) -> bool {
+        self.problems.len() == MOST
+    }
+
+    /// Tells what is wrong with an item of a list of the whole scene.
+    pub fn wrong_item(&mut self, scene: &Node, list: &str, i: usize, what: String) {
+        let items = scene.get(list).and_then(Node::items);
+        let at = items.and_then(|items| items.get(i)).unwrap_or(scene).at;
+        self.within(format!(".{list}[{i}]"), |d| d.wrong(at, |_| what));
     }
 
     /// Whether anything was wrong so far.
@@ -122,7 +142,10 @@ impl<'a> Decoder<'a> {
     }
 
     /// Decodes the material of a name; `None` after telling that there is none.
-    pub fn material<T: Decode>(&mut self, node: &Node, name: &str) -> Option<T> {
+    pub fn material<T>(&mut self, node: &Node, name: &str) -> Option<T>
+    where
+        Made<T>: Decode,
+    {
         let Some(found) = self.materials.get(name).cloned() else {
             self.wrong(node.at, |d| {
                 unknown("material", name, d.materials.keys().map(String::as_str))
@@ -134,9 +157,9 @@ impl<'a> Decoder<'a> {
             return None;
         }
         self.looking_up += 1;
-        let result = T::decode(&found, self);
+        let result = Made::decode(&found, self);
         self.looking_up -= 1;
-        result
+        result.map(|made| made.0)
     }
 
     /// The fields of a record of type `name`; complains of keys that are not `known`.
@@ -319,9 +342,15 @@ impl<T: Decode> Decode for Vec<T> {
         let items: Vec<Option<T>> = items
             .iter()
             .enumerate()
-            .map(|(i, item)| d.within(format!("[{i}]"), |d| T::decode(item, d)))
+            .map_while(|(i, item)| {
+                let more = !d.is_full();
+                more.then(|| d.within(format!("[{i}]"), |d| T::decode(item, d)))
+            })
             .collect();
-        items.into_iter().collect()
+        match d.is_full() {
+            true => None,
+            false => items.into_iter().collect(),
+        }
     }
 }
 

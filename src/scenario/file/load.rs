@@ -1,18 +1,19 @@
 //! From files to a [`Scenario`]: read, include, resolve variables and names, decode.
 
 use super::decode::{Decode, Decoder, Kind};
-use super::formula::{CONSTANTS, Formula, Variables};
 use super::model::Scenario;
-use super::model::deformable::PLACE;
 use super::parse::parse;
-use super::problem::{LoadError, Problem, unknown};
+use super::problem::{LoadError, MOST, Problem};
 use super::source::Source;
 use super::tree::{Field, Node, Place, Value};
+use super::variables::{unused, variables};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Most files of a scene.
 const MOST_FILES: usize = 64;
+/// Most bytes of all of them.
+const MOST_BYTES: usize = 8 << 20;
 /// Keys whose lists an including file adds to; it replaces everything else.
 const ADDED: [&str; 11] = [
     "rigid",
@@ -72,18 +73,23 @@ fn load(source: &Source, top: &Path, options: &LoadOptions) -> Result<Scenario, 
         source,
         names: Vec::new(),
         open: Vec::new(),
+        bytes: 0,
         problems: Vec::new(),
+        more: 0,
     };
     let tree = files.read(top, None);
-    let failed = |problems| LoadError { problems, more: 0 };
     let (Some(tree), true) = (tree, files.problems.is_empty()) else {
-        return Err(failed(files.problems));
+        let (problems, more) = (files.problems, files.more);
+        return Err(LoadError { problems, more });
     };
     let names = files.names;
     let (variables, mut problems) = variables(&tree, &names, options);
-    let locate = |from: &Path, text: &str| source.locate(from, text);
+    let locate = |from: &Path, text: &str| source.data(from, text);
     let mut d = Decoder::new(&names, &variables, &locate);
-    d.problems.append(&mut problems);
+    d.more = problems.len().saturating_sub(MOST);
+    problems.truncate(MOST);
+    d.problems = problems;
+    unused(&tree, options, &mut d);
     collect_names(&tree, &mut d);
     let materials = tree.get("materials").and_then(Node::fields).unwrap_or(&[]);
     d.materials = materials
@@ -93,7 +99,6 @@ fn load(source: &Source, top: &Path, options: &LoadOptions) -> Result<Scenario, 
     let scenario = Scenario::decode(&tree, &mut d);
     match scenario {
         Some(mut scenario) if !d.failed() => {
-            scenario.include.clear();
             scenario.world.seed = options.seed.unwrap_or(scenario.world.seed);
             scenario.variables = variables;
             scenario.variables.remove("seed");
@@ -112,11 +117,18 @@ struct Files<'a> {
     names: Vec<PathBuf>,
     /// Those that are being read, from the top.
     open: Vec<PathBuf>,
+    /// Bytes read so far.
+    bytes: usize,
     problems: Vec<Problem>,
+    more: usize,
 }
 
 impl Files<'_> {
     fn wrong(&mut self, at: Option<Place>, name: &Path, key: &str, what: String) {
+        if self.problems.len() == MOST {
+            self.more += 1;
+            return;
+        }
         let place = at.unwrap_or_default();
         self.problems.push(Problem {
             file: at.map_or(name, |at| &self.names[at.file]).to_owned(),
@@ -144,6 +156,13 @@ impl Files<'_> {
             self.wrong(at, path, key, what);
         });
         let text = text.ok()?;
+        self.bytes += text.len();
+        if self.bytes > MOST_BYTES {
+            let n = self.bytes;
+            let what = format!("with it the files have {n} bytes, at most {MOST_BYTES} are read");
+            self.wrong(at, path, "include", what);
+            return None;
+        }
         self.names.push(path.to_owned());
         let tree = parse(&text, self.names.len() - 1);
         let tree = tree.map_err(|e| self.wrong(Some(e.at), path, "", e.what));
@@ -159,22 +178,52 @@ impl Files<'_> {
         };
         self.open.push(path.to_owned());
         let mut fields = Vec::new();
-        let included = own.iter().find(|f| f.key == "include");
-        let included = included.and_then(|f| f.value.items()).unwrap_or(&[]);
-        // What is no text is told of when the list is decoded.
-        for (node, text) in included.iter().filter_map(|n| Some((n, n.text()?))) {
-            match self.source.locate(path, text) {
+        let (included, own): (Vec<Field>, Vec<Field>) =
+            own.iter().cloned().partition(|f| f.key == "include");
+        for (at, text) in self.included(path, included.first()) {
+            match self.source.locate(path, &text) {
                 Ok(found) => {
-                    let other = self.read(&found, Some(node.at));
+                    let other = self.read(&found, Some(at));
                     let other = other.as_ref().and_then(Node::fields).unwrap_or(&[]);
                     fields = overlaid(fields, other, true);
                 }
-                Err(what) => self.wrong(Some(node.at), path, "include", what),
+                Err(what) => self.wrong(Some(at), path, "include", what),
             }
         }
         self.open.pop();
-        let value = Value::Record(overlaid(fields, own, true));
+        let value = Value::Record(overlaid(fields, &own, true));
         Some(Node { at: tree.at, value })
+    }
+
+    /// The texts of a file's list of includes.
+    fn included(&mut self, path: &Path, list: Option<&Field>) -> Vec<(Place, String)> {
+        let Some(field) = list.filter(|f| f.value.value != Value::Nothing) else {
+            return Vec::new();
+        };
+        let Some(items) = field.value.items() else {
+            let what = format!(
+                "expected a list of texts, found {}",
+                field.value.value.kind()
+            );
+            self.wrong(Some(field.value.at), path, "include", what);
+            return Vec::new();
+        };
+        if items.len() > MOST_FILES {
+            let what = format!("has {} items, it must have 0 to {MOST_FILES}", items.len());
+            self.wrong(Some(field.value.at), path, "include", what);
+            return Vec::new();
+        }
+        let mut texts = Vec::new();
+        for item in items {
+            match item.text() {
+                Some(text) => texts.push((item.at, text.to_owned())),
+                None => {
+                    let what = format!("expected a text in quotes, found {}", item.value.kind());
+                    self.wrong(Some(item.at), path, "include", what);
+                }
+            }
+        }
+        texts
     }
 }
 
@@ -185,12 +234,17 @@ fn overlaid(mut below: Vec<Field>, above: &[Field], top: bool) -> Vec<Field> {
             below.push(field.clone());
             continue;
         };
-        match (&mut old.value.value, &field.value.value) {
-            (Value::List(old), Value::List(new)) if top && ADDED.contains(&field.key.as_str()) => {
-                old.extend(new.iter().cloned());
-            }
-            (Value::Record(old), Value::Record(new)) if top => {
-                *old = overlaid(std::mem::take(old), new, false);
+        if let (Value::List(old), Value::List(new)) = (&mut old.value.value, &field.value.value)
+            && top
+            && ADDED.contains(&field.key.as_str())
+        {
+            old.extend(new.iter().cloned());
+            continue;
+        }
+        match (old.value.fields(), field.value.fields()) {
+            (Some(before), Some(new)) if top => {
+                let whole = overlaid(before.to_vec(), new, false);
+                old.value.value = Value::Record(whole);
             }
             _ => *old = field.clone(),
         }
@@ -198,91 +252,11 @@ fn overlaid(mut below: Vec<Field>, above: &[Field], top: bool) -> Vec<Field> {
     below
 }
 
-/// Values of the variables in the order they stand, with those that are set from outside.
-fn variables(tree: &Node, files: &[PathBuf], options: &LoadOptions) -> (Variables, Vec<Problem>) {
-    let (mut variables, mut problems) = (Variables::new(), Vec::new());
-    let seed = tree.get("world").and_then(|w| w.get("seed"));
-    let seed = match seed.map(|n| (n.at, &n.value)) {
-        Some((_, Value::Number(x))) => *x,
-        Some((at, _)) if options.seed.is_none() => {
-            problems.push(Problem {
-                file: files.get(at.file).cloned().unwrap_or_default(),
-                line: at.line,
-                column: at.column,
-                key: "world.seed".into(),
-                what: "must be a number: formulas draw from it, so it can't be one".into(),
-            });
-            0.0
-        }
-        _ => 0.0,
-    };
-    variables.insert("seed".into(), options.seed.map_or(seed, |s| s as f64));
-    let fields = tree.get("variables").and_then(Node::fields).unwrap_or(&[]);
-    for field in fields {
-        let mut wrong = |what: String| {
-            problems.push(Problem {
-                file: files.get(field.at.file).cloned().unwrap_or_default(),
-                line: field.at.line,
-                column: field.at.column,
-                key: format!("variables.{}", field.key),
-                what,
-            });
-        };
-        if let Err(what) = good_variable(&field.key) {
-            wrong(what);
-            continue;
-        }
-        let set = options
-            .set
-            .iter()
-            .rev()
-            .find(|(name, _)| *name == field.key);
-        let value = match (set, &field.value.value) {
-            (Some((_, x)), _) => Ok(*x),
-            (None, Value::Number(x)) => Ok(*x),
-            (None, Value::Text(text)) => Formula::new(text, &variables, &[]).map(|f| f.value(&[])),
-            _ => Err("expected a number or a formula in quotes".into()),
-        };
-        match value {
-            Ok(x) if x.is_finite() => _ = variables.insert(field.key.clone(), x),
-            Ok(x) => wrong(format!("is {x}, it must be finite")),
-            Err(what) => wrong(what),
-        }
-    }
-    for (name, _) in &options.set {
-        if !fields.iter().any(|f| f.key == *name) {
-            let known = fields.iter().map(|f| f.key.as_str());
-            problems.push(Problem {
-                file: files.first().cloned().unwrap_or_default(),
-                line: 0,
-                column: 0,
-                key: format!("--set {name}"),
-                what: unknown("variable", name, known),
-            });
-        }
-    }
-    problems.truncate(super::problem::MOST);
-    (variables, problems)
-}
-
-fn good_variable(name: &str) -> Result<(), String> {
-    let letters = |c: char| c.is_alphanumeric() || c == '_';
-    let first = name.chars().next();
-    if !first.is_some_and(|c| c.is_alphabetic() || c == '_') || !name.chars().all(letters) {
-        return Err("the name of a variable is a word of letters, digits and `_`".into());
-    }
-    let taken = CONSTANTS.iter().any(|(n, _)| *n == name) || PLACE.contains(&name);
-    if taken || name == "t" || name == "seed" {
-        return Err("this name has a meaning in formulas already; choose another".into());
-    }
-    Ok(())
-}
-
 /// Which names a scene gives to what, before anything refers to them.
 fn collect_names(tree: &Node, d: &mut Decoder) {
     let list = |key: &str| tree.get(key).and_then(Node::items).unwrap_or(&[]);
     // What can be referred to in one place shares its names: bodies and what exerts forces; joints; probes.
-    let mut taken: [BTreeSet<String>; 3] = Default::default();
+    let mut taken: [BTreeSet<String>; 4] = Default::default();
     for (i, rigid) in list("rigid").iter().enumerate() {
         let at = format!("rigid[{i}]");
         take_name(rigid, Kind::Rigid, &at, &mut taken[0], d);
@@ -295,8 +269,10 @@ fn collect_names(tree: &Node, d: &mut Decoder) {
     for (key, kind, space) in [
         ("deformables", Kind::Deformable, 0),
         ("attachments", Kind::Attachment, 0),
+        ("soft_bodies", Kind::SoftBody, 0),
         ("joints", Kind::Joint, 1),
         ("probes", Kind::Probe, 2),
+        ("sets", Kind::Set, 3),
     ] {
         for (i, thing) in list(key).iter().enumerate() {
             take_name(thing, kind, &format!("{key}[{i}]"), &mut taken[space], d);

@@ -44,7 +44,8 @@
 //! # Variables
 //! Wherever a number stands, a text is a [formula]: `"speed"` is the variable, `"speed / 3.6"` something made of it. Both
 //! RON and JSON take that as it is, an editor colours it, and it can't be mistaken, since no place for a number takes a
-//! text. `--set speed=20` on the command line and [`LoadOptions::set`] change a variable. Where nodes are chosen (`pin`,
+//! text. `--set speed=20` on the command line and [`LoadOptions::set`] change a variable. Variables may name each other in any
+//! order; to set one that nothing names is a mistake. Where nodes are chosen (`pin`,
 //! `parts`, attachments, probes), a formula of `x`, `y`, `z` says which, in the body's own frame, with `min_x` to `max_z`
 //! for its corners (a node at 0.6 m is not above 0.6); forces and motions over time are numbers, formulas of `t`, or tables of `(t, value)`.
 //!
@@ -55,7 +56,15 @@
 //!
 //! # Mistakes
 //! Loading tells everything that is wrong at once, each with file, line, column, the way to the key, and what was expected;
-//! an unknown key or name comes with the nearest known one. Sizes are checked before memory is taken.
+//! an unknown key or name comes with the nearest known one. What only shows when a body is built, such as a formula that
+//! chooses no node, is a [`RunError`] that names the body. A span of time that a run does not reach is not measured, and
+//! what is expected over it is not met.
+//!
+//! # Limits
+//! What a scene asks for is checked before memory or time is spent on it. In all a scene has at most 64 files of 8 MiB, files
+//! of meshes of 64 MiB each and 256 MiB together, 10⁶ nodes, 10⁵ colliders, 2·10⁶ points of shapes, 10⁸ substeps of a
+//! deformable, 2·10⁷ samples of histories, of paths and of channels, 1000 pictures of 5·10⁷ nodes, and 2·10⁷ evaluations of
+//! formulas that choose nodes; substeps are 1 ns and longer.
 //!
 //! # Tests
 //! Every file of a folder as a test of its own, in `tests/scenes.rs` with `harness = false` and
@@ -83,6 +92,7 @@ mod build;
 mod check;
 mod decode;
 pub mod formula;
+mod limits;
 mod load;
 pub mod model;
 mod outcome;
@@ -94,6 +104,8 @@ mod schema;
 mod source;
 pub mod sweep;
 mod tree;
+mod variables;
+mod whole;
 
 pub use build::RunError;
 pub use formula::{Formula, Variables};

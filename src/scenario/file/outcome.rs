@@ -96,7 +96,10 @@ fn check(e: &Expectation, run: &ScenarioRun, hash: &str) -> Result<Check, RunErr
     };
     if let Some(expected) = &e.hash {
         return Ok(Check {
-            name: format!("{name} {hash}"),
+            name: format!(
+                "{name} {hash}, kernel {}",
+                run.run.deformables.params.kernel.name()
+            ),
             measured: f64::NAN,
             bound: format!("= {expected}"),
             time: None,

@@ -6,6 +6,8 @@ use std::path::PathBuf;
 
 /// Most problems that are listed.
 pub(crate) const MOST: usize = 100;
+/// Most names that one is compared with, so that the time mistakes take does not grow with the square of a file.
+const COMPARED: usize = 200;
 
 /// One thing that is wrong.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -41,13 +43,15 @@ impl Display for Problem {
 pub struct LoadError {
     /// What is wrong, in the order of the files; a hundred at most.
     pub problems: Vec<Problem>,
-    /// How many more there are.
+    /// How many more were found until the search was given up.
     pub more: usize,
 }
 
 fn listed(problems: &[Problem], more: usize) -> String {
     let mut lines: Vec<String> = problems.iter().map(Problem::to_string).collect();
-    if more > 0 {
+    if problems.len() == MOST {
+        lines.push(format!("… and more may be wrong: {MOST} are listed"));
+    } else if more > 0 {
         lines.push(format!("… and {more} more"));
     }
     lines.join("\n")
@@ -58,6 +62,7 @@ pub(crate) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> O
     // Long names are compared at their beginnings: the comparison takes the product of the lengths.
     let cut = |s: &str| s.to_lowercase().chars().take(40).collect::<String>();
     let name = cut(name);
+    let known = known.take(COMPARED);
     let best = known.map(|k| (distance(&name, &cut(k)), k)).min();
     best.filter(|(d, _)| 2 * d <= name.chars().count())
         .map(|(_, k)| k)

@@ -12,11 +12,19 @@ const MOST: f64 = 1.0e8;
 const NONE: Measured = (f64::NAN, None);
 
 impl Series {
-    /// What of it lies in a span of time \[s\].
+    /// What of it lies in a span of time \[s\]; nothing where the series does not reach the ends of the span, since
+    /// then it says of another span what was asked of this one.
     pub fn between(&self, span: Option<[f64; 2]>) -> Self {
         let Some([from, to]) = span else {
             return self.clone();
         };
+        let (first, last) = (self.times.first(), self.times.last());
+        let slack = self.bins.or(self.interval()).unwrap_or(0.0).max(1.0e-9);
+        let reached = first.is_some_and(|t| *t <= from.max(0.0) + 2.0 * slack)
+            && last.is_some_and(|t| *t >= to - 2.0 * slack);
+        if !reached {
+            return Self::default();
+        }
         let pairs = self.times.iter().zip(&self.values);
         let inside = pairs.filter(|(t, _)| (from..=to).contains(*t));
         let (times, values) = inside.map(|(t, v)| (*t, *v)).unzip();

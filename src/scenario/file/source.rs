@@ -1,7 +1,11 @@
 //! Where scenes come from: a disk, the crate itself, or text.
 
 use super::parse::MOST_BYTES;
+use std::io::Read;
 use std::path::{Path, PathBuf};
+
+/// Most bytes of a file of data, such as a mesh.
+const MOST_DATA_BYTES: u64 = 64 << 20;
 
 macro_rules! embedded {
     ($($name:literal),* $(,)?) => {
@@ -78,9 +82,9 @@ pub fn scenes_in(folder: impl AsRef<Path>) -> std::io::Result<Vec<(String, PathB
 
 /// Where files are read from.
 pub(crate) enum Source<'a> {
-    /// A disk: the folder of the scene, which files must be in, unless they may be elsewhere.
+    /// A disk: the folder of the scene, which files must be in, or why it is none; nothing if they may be elsewhere.
     Disk {
-        root: Option<PathBuf>,
+        root: Option<Result<PathBuf, String>>,
     },
     Embedded,
     /// One file alone.
@@ -95,8 +99,7 @@ impl Source<'_> {
             _ => Path::new("."),
         };
         Self::Disk {
-            // A folder that can't be found has no scene to read.
-            root: (!allow_outside).then(|| folder.canonicalize().unwrap_or_default()),
+            root: (!allow_outside).then(|| folder.canonicalize().map_err(|e| e.to_string())),
         }
     }
 
@@ -111,15 +114,14 @@ impl Source<'_> {
                 text.ok_or_else(|| "there is no such scene in the crate".into())
             }
             Self::Disk { .. } => {
-                let meta = std::fs::metadata(path).map_err(|e| format!("can't be read: {e}"))?;
-                if !meta.is_file() {
-                    return Err("is not a file".into());
-                }
-                if meta.len() > MOST_BYTES as u64 {
-                    let n = meta.len();
-                    return Err(format!("has {n} bytes, at most {MOST_BYTES} are read"));
-                }
-                std::fs::read_to_string(path).map_err(|e| format!("can't be read: {e}"))
+                size(path, MOST_BYTES as u64)?;
+                let failed = |e| format!("can't be read: {e}");
+                let file = std::fs::File::open(path).map_err(failed)?;
+                let mut text = String::new();
+                // One byte more, which is refused later: the file may have grown.
+                let mut file = file.take(MOST_BYTES as u64 + 1);
+                file.read_to_string(&mut text).map_err(failed)?;
+                Ok(text)
             }
         }
     }
@@ -139,7 +141,8 @@ impl Source<'_> {
                 let found = path.canonicalize();
                 let found = found.map_err(|e| format!("{text:?} can't be read: {e}"))?;
                 match root {
-                    Some(root) if !found.starts_with(root) => Err(format!(
+                    Some(Err(what)) => Err(format!("the scene's folder can't be read: {what}")),
+                    Some(Ok(root)) if !found.starts_with(root) => Err(format!(
                         "{text:?} is outside of the scene's folder {}; --allow-outside allows it",
                         root.display()
                     )),
@@ -147,5 +150,46 @@ impl Source<'_> {
                 }
             }
         }
+    }
+
+    /// The file of data that `text` means in the file `from`, and its size \[bytes\].
+    pub fn data(&self, from: &Path, text: &str) -> Result<(PathBuf, u64), String> {
+        let found = self.locate(from, text)?;
+        let ending = |path: &Path| path.extension().map(|e| e.to_ascii_lowercase());
+        if ending(&found) != ending(Path::new(text)) {
+            let found = found.display();
+            return Err(format!(
+                "{text:?} leads to {found}, which has another ending"
+            ));
+        }
+        let bytes = size(&found, MOST_DATA_BYTES).map_err(|what| format!("{text:?} {what}"))?;
+        Ok((found, bytes))
+    }
+}
+
+/// The size of a plain file of at most `most` bytes.
+fn size(path: &Path, most: u64) -> Result<u64, String> {
+    let meta = std::fs::metadata(path).map_err(|e| format!("can't be read: {e}"))?;
+    match meta.len() {
+        _ if !meta.is_file() => Err("is not a file".into()),
+        n if n > most => Err(format!("has {n} bytes, at most {most} are read")),
+        n => Ok(n),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_that_cant_be_found_holds_nothing() {
+        let here = Path::new(env!("CARGO_MANIFEST_DIR")).join("scene.ron");
+        let nowhere = Source::disk(Path::new("/there/is/no/such/folder/a.ron"), false);
+        assert!(nowhere.locate(&here, "Cargo.toml").is_err());
+        assert!(
+            Source::disk(&here, false)
+                .locate(&here, "Cargo.toml")
+                .is_ok()
+        );
     }
 }

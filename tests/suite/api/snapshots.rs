@@ -57,6 +57,66 @@ fn a_restored_scene_goes_on_bit_for_bit() {
     goes_on("motor", 30, 30, true);
 }
 
+/// What a scene file comes to: the hash of the state, every check and every probe, bit for bit. After so many steps Rapier's
+/// pipeline is renewed, and both worlds are saved and restored if that is wanted.
+fn outcome(name: &str, kernel: Kernel, renewed: u64, restored: bool) -> String {
+    let scene = Scenario::embedded(name, &Default::default()).unwrap();
+    let mut run = scene.start().unwrap();
+    run.run.deformables.params.kernel = kernel;
+    let mut steps = 0;
+    while run.step() {
+        steps += 1;
+        if steps == renewed {
+            let worlds = &mut run.run;
+            worlds.world.physics_pipeline = PhysicsPipeline::new();
+            worlds.world.ccd_solver = CCDSolver::new();
+            if restored {
+                let bytes = worlds.deformables.save(&worlds.world).unwrap();
+                (worlds.deformables, worlds.world) = DeformableWorld::load(&bytes).unwrap();
+            }
+        }
+    }
+    assert!(steps > renewed, "{name} has {steps} steps");
+    let outcome = run.outcome().unwrap();
+    assert!(outcome.passed(), "{name}\n{outcome}");
+    let checks = outcome.checks.iter();
+    let checks: Vec<_> = checks.map(|c| (&c.name, c.measured.to_bits())).collect();
+    let probes: Vec<Vec<u64>> = outcome
+        .probes
+        .iter()
+        .map(|(_, series)| series.values.iter().map(|x| x.to_bits()).collect())
+        .collect();
+    format!("{} {checks:?} {probes:?}", outcome.state_hash)
+}
+
+/// The same file comes to the same, run again, with any kernel, and when it was saved and restored on the way.
+#[test]
+fn a_scene_file_comes_to_the_same_after_a_restore() {
+    for (name, steps) in [
+        ("weight", 20),
+        ("tow_rope", 8),
+        ("sliding_block", 50),
+        ("yield_spring", 900),
+        ("pulse", 15),
+        ("motor", 300),
+        ("drop", 30),
+    ] {
+        let usual = outcome(name, Kernel::default(), steps, false);
+        assert!(
+            usual == outcome(name, Kernel::default(), steps, false),
+            "{name}: again"
+        );
+        assert!(
+            usual == outcome(name, Kernel::default(), steps, true),
+            "{name}: restored"
+        );
+        assert!(
+            usual == outcome(name, Kernel::Portable, steps, true),
+            "{name}: portable"
+        );
+    }
+}
+
 /// Rapier's workspaces hold nothing between steps: not even the pipeline has to be renewed.
 #[test]
 fn the_pipeline_need_not_be_renewed() {

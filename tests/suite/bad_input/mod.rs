@@ -6,6 +6,7 @@ mod files;
 mod queries;
 #[cfg(feature = "cli")]
 mod scene_files;
+mod scene_limits;
 mod setters;
 mod shapes;
 mod stepping;

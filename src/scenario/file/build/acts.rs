@@ -10,6 +10,7 @@ use crate::body::NodeId;
 use crate::math::{DVec3, Pose, Real, Rotation, Vector, narrow};
 use crate::world::DeformableHandle;
 use rapier3d::dynamics::{ImpulseJointHandle, JointAxis, RigidBodyHandle, RigidBodyType};
+use std::collections::HashSet;
 
 /// An actuator with its handles.
 pub(super) enum Act {
@@ -92,7 +93,25 @@ pub(super) fn prepare(
             }
         }
     }
+    alone(run, &acts)?;
     Ok(acts)
+}
+
+/// A node can't be led by two.
+fn alone(run: &Run, acts: &[Act]) -> Result<(), RunError> {
+    let mut led = HashSet::new();
+    for act in acts {
+        let Act::LeadNodes { body, nodes, .. } = act else {
+            continue;
+        };
+        if !nodes.iter().all(|(node, _)| led.insert((*body, *node))) {
+            let mut all = run.cast.deformables.iter();
+            let name = all.find(|(_, handle)| handle == body);
+            let name = name.map_or("", |(name, _)| name);
+            return unfit(name, "two motions lead the same nodes");
+        }
+    }
+    Ok(())
 }
 
 fn unfit<T>(name: &str, what: &'static str) -> Result<T, RunError> {

@@ -1,9 +1,11 @@
 //! Deformables and attachments.
 
 use super::super::super::Cast;
-use super::super::model::deformable::{NodeSpec, Split, SpringSpec};
+use super::super::limits;
+use super::super::model::deformable::{NodeSpec, Split, SpringSpec, cells_around};
 use super::super::model::{
     Attachment, Body, Deformable, Hold, Law, Region, Scenario, SolidMaterial, SpringMaterial,
+    Substepping,
 };
 use super::alike::alike;
 use super::rigid::{groups, rule};
@@ -23,6 +25,7 @@ enum Frame {
 /// Puts in a body; says where its own frame is in the world.
 pub(super) fn insert(
     body: &Deformable,
+    scene: &Scenario,
     world: &mut DeformableWorld,
     cast: &mut Cast,
 ) -> Result<Pose, RunError> {
@@ -30,11 +33,18 @@ pub(super) fn insert(
         name: body.name.clone(),
         source: Box::new(source),
     };
-    let (builder, nodes): (_, Vec<Vector>) = match frame(&body.body, &body.name, cast)? {
+    let before: usize = world.iter().map(|(_, b)| b.node_count()).sum();
+    let mut middles = Vec::new();
+    let (builder, nodes): (_, Vec<Vector>) = match frame(&body.body, &body.name, before, cast)? {
         Frame::Net(mut net) => {
             if let (Some(springs), Some(mass)) = (&body.springs, body.mass) {
                 alike(&mut net, springs, mass as Real);
             }
+            let at = |n: u32| net.nodes[n as usize].position;
+            let springs = net.springs.iter();
+            middles = springs
+                .map(|s| 0.5 * (at(s.nodes[0]) + at(s.nodes[1])))
+                .collect();
             let nodes = net.nodes.iter().map(|n| n.position).collect();
             (DeformableBuilder::new(net), nodes)
         }
@@ -46,15 +56,72 @@ pub(super) fn insert(
             (DeformableBuilder::tets(mesh, solid(&made.0)), nodes)
         }
     };
+    few(&body.name, (before + nodes.len()) as f64)?;
     let pose = pose(body, &nodes);
-    let places = Places::around(nodes.into_iter());
+    let places = Places::around(nodes.iter().copied());
+    somewhere(body, &nodes, &middles, places)?;
     let builder = dressed(builder, body, places);
     let builder = builder
         .translation(pose.translation)
         .rotation(pose.rotation);
     let handle = world.insert(builder).map_err(failed)?;
+    ends(body, scene, &world[handle])?;
     cast.deformables.push((body.name.clone(), handle));
     Ok(pose)
+}
+
+/// Refuses more nodes than a scene may have.
+fn few(name: &str, value: f64) -> Result<(), RunError> {
+    match value <= limits::NODES {
+        true => Ok(()),
+        false => Err(RunError::TooMany {
+            name: name.into(),
+            what: "nodes in all",
+            value,
+            most: limits::NODES,
+        }),
+    }
+}
+
+/// Refuses a body whose stable substep is so short that its record would not fit into memory.
+fn ends(body: &Deformable, scene: &Scenario, made: &world::Deformable) -> Result<(), RunError> {
+    let own = body.substeps.as_ref().unwrap_or(&scene.world.substeps);
+    let Substepping::Auto { safety, .. } = own else {
+        // Looked at when the scene was loaded.
+        return Ok(());
+    };
+    let value = scene.world.duration / (safety * made.stable_step().h).min(scene.world.dt);
+    match value <= limits::SUBSTEPS {
+        true => Ok(()),
+        false => Err(RunError::TooMany {
+            name: body.name.clone(),
+            what: "substeps",
+            value,
+            most: limits::SUBSTEPS,
+        }),
+    }
+}
+
+/// Refuses formulas that choose nothing of a body: no node for a pin, no spring and no node for a part.
+fn somewhere(
+    body: &Deformable,
+    nodes: &[Vector],
+    middles: &[Vector],
+    places: Places,
+) -> Result<(), RunError> {
+    let pin = body.pin.iter().map(|region| ("a pin", region, &[][..]));
+    let parts = body.parts.iter().map(|part| ("a part", &part.at, middles));
+    for (what, region, middles) in pin.chain(parts) {
+        let mut chosen = middles.iter().chain(nodes);
+        if !chosen.any(|at| places.holds(&region.0, *at)) {
+            return Err(RunError::Nothing {
+                what,
+                formula: region.0.text().into(),
+                body: body.name.clone(),
+            });
+        }
+    }
+    Ok(())
 }
 
 /// Where a body's own frame stands in the world, given its nodes there.
@@ -113,11 +180,13 @@ fn dressed(mut builder: DeformableBuilder, body: &Deformable, places: Places) ->
         .collision_groups(groups(&body.groups))
         .solver_groups(groups(&body.solver_groups))
         .dominance_group(body.dominance)
+        .can_sleep(body.can_sleep)
         .gravity_scale(body.gravity_scale as Real)
         .drag(body.drag as Real)
 }
 
-fn frame(body: &Body, name: &str, cast: &mut Cast) -> Result<Frame, RunError> {
+/// Makes the nodes and elements of a body; `before` is how many nodes the bodies before it have.
+fn frame(body: &Body, name: &str, before: usize, cast: &mut Cast) -> Result<Frame, RunError> {
     let failed = |source| RunError::Deformable {
         name: name.into(),
         source: Box::new(source),
@@ -142,7 +211,7 @@ fn frame(body: &Body, name: &str, cast: &mut Cast) -> Result<Frame, RunError> {
         } => shape::rope(vector(*from), vector(*to), *segments, *section as Real),
         Body::Filled { mesh, cell } => {
             let surface = surface(mesh, name)?;
-            few_cells(&surface.vertices, *cell).map_err(failed)?;
+            few_cells(&surface.vertices, *cell, name, before)?;
             let net = shape::filled(&surface, *cell as Real);
             if cast.parts.is_empty() {
                 let parts = surface.groups.into_iter();
@@ -179,7 +248,7 @@ fn frame(body: &Body, name: &str, cast: &mut Cast) -> Result<Frame, RunError> {
             quadratic,
         } => {
             let surface = surface(mesh, name)?;
-            few_cells(&surface.vertices, *cell).map_err(failed)?;
+            few_cells(&surface.vertices, *cell, name, before)?;
             let mesh = shape::tet_filled(&surface, *cell as Real).map_err(failed)?;
             return Ok(Frame::Tets(quadratic_if(mesh, *quadratic)));
         }
@@ -189,24 +258,13 @@ fn frame(body: &Body, name: &str, cast: &mut Cast) -> Result<Frame, RunError> {
 }
 
 /// Refuses a surface that would get more cells than a scene may have nodes, before they are made.
-fn few_cells(vertices: &[Vector], cell: f64) -> Result<(), BuildError> {
+fn few_cells(vertices: &[Vector], cell: f64, name: &str, before: usize) -> Result<(), RunError> {
     let start = (Vector::INFINITY, Vector::NEG_INFINITY);
     let (lo, hi) = vertices
         .iter()
         .fold(start, |(lo, hi), v| (lo.min(*v), hi.max(*v)));
-    let sides = (hi - lo)
-        .to_array()
-        .map(|s| (f64::from(s) / cell).ceil() + 1.0);
-    let value = sides.iter().product();
-    let most = super::super::model::deformable::MOST_NODES;
-    if value <= most {
-        return Ok(());
-    }
-    Err(BuildError::Value {
-        what: "the number of cells around the surface",
-        value,
-        must: "at most a million; use larger cells",
-    })
+    let sides = (hi - lo).to_array().map(f64::from);
+    few(name, before as f64 + cells_around(sides, cell))
 }
 
 fn node(n: &NodeSpec) -> Node {

@@ -52,6 +52,18 @@ pub enum RunError {
         /// Why.
         what: &'static str,
     },
+    /// More than a scene may have, which showed only when it was built.
+    #[error("`{name}`: with it there are {value:.0} {what}, at most {most} are possible")]
+    TooMany {
+        /// The body.
+        name: String,
+        /// Of what.
+        what: &'static str,
+        /// How many.
+        value: f64,
+        /// How many there may be.
+        most: f64,
+    },
     /// Nodes can't be attached.
     #[error("attachment `{name}`: {source}")]
     Attachment {
@@ -131,7 +143,7 @@ fn build(scene: &Scenario) -> Result<Run, RunError> {
     params.passes = scene.world.passes;
     let mut frames = Vec::new();
     for body in &scene.deformables {
-        let frame = deformables::insert(body, &mut deformables, &mut cast)?;
+        let frame = deformables::insert(body, scene, &mut deformables, &mut cast)?;
         frames.push((body.name.as_str(), frame));
     }
     for rigid in &scene.rigid {

@@ -7,7 +7,12 @@ use super::{RunError, surface, vector};
 use crate::math::{Real, Rotation, Vector};
 use rapier3d::geometry::SharedShape;
 use rapier3d::math::Pose;
+use rapier3d::parry::transformation::vhacd::{VHACD, VHACDParameters};
 use rapier3d::parry::utils::Array2;
+use std::panic::AssertUnwindSafe;
+
+/// Most triangles of a surface that is cut into convex parts.
+const MOST_TO_CUT: usize = 100_000;
 
 /// Makes a shape for the rigid body `name`.
 pub(super) fn shape(shape: &Shape, name: &str) -> Result<SharedShape, RunError> {
@@ -15,6 +20,9 @@ pub(super) fn shape(shape: &Shape, name: &str) -> Result<SharedShape, RunError> 
         name: name.into(),
         what,
     };
+    if let Some(what) = shape.complaint() {
+        return Err(wrong(what));
+    }
     let points = |list: &[[f64; 3]]| list.iter().copied().map(vector).collect::<Vec<_>>();
     Ok(match shape {
         Shape::Ball(radius) => SharedShape::ball(*radius as Real),
@@ -59,16 +67,13 @@ pub(super) fn shape(shape: &Shape, name: &str) -> Result<SharedShape, RunError> 
                 border => SharedShape::round_triangle(a, b, c, border),
             }
         }
-        Shape::Polyline { points: list } if list.len() < 2 => {
-            return Err(wrong("a polyline needs two points"));
-        }
         Shape::Polyline { points: list } => SharedShape::polyline(points(list), None),
         Shape::TriMesh(mesh) => {
             let mesh = surface(mesh, name)?;
             let made = SharedShape::trimesh(mesh.vertices, mesh.triangles);
             made.map_err(|_| wrong("Rapier can't make a mesh of these triangles"))?
         }
-        Shape::HeightField { heights, size } => field(heights, *size).map_err(wrong)?,
+        Shape::HeightField { heights, size } => field(heights, *size),
         Shape::Terrain {
             height,
             size,
@@ -80,15 +85,16 @@ pub(super) fn shape(shape: &Shape, name: &str) -> Result<SharedShape, RunError> 
             border,
         } => {
             let list = points(list);
-            let hull = match *border as Real {
+            let hull = || match *border as Real {
                 0.0 => SharedShape::convex_hull(&list),
                 border => SharedShape::round_convex_hull(&list, border),
             };
+            let hull = contained(hull).flatten().filter(has_volume);
             hull.ok_or(wrong("the points have no hull with a volume"))?
         }
         Shape::Decomposition(mesh) => decomposition(mesh, name)?,
         Shape::Voxels { size, points: list } => {
-            voxels(vector(*size), &points(list)).map_err(wrong)?
+            SharedShape::voxels_from_points(vector(*size), &points(list))
         }
         Shape::Compound(parts) => compound(parts, name)?,
     })
@@ -101,61 +107,82 @@ fn cuboid(half: Vector, border: Real) -> SharedShape {
     }
 }
 
-fn voxels(size: Vector, points: &[Vector]) -> Result<SharedShape, &'static str> {
-    if points.is_empty() || points.len() > 1_000_000 {
-        return Err("voxels need from one to a million points");
-    }
-    // Their coordinates are counted in `i32`, with room for neighbours.
-    if points
-        .iter()
-        .any(|p| (*p / size).abs().max_element() >= 1.0e9)
-    {
-        return Err("a voxel must be less than a thousand million sizes from the middle");
-    }
-    Ok(SharedShape::voxels_from_points(size, points))
-}
-
-fn field(heights: &[Vec<f64>], size: [f64; 3]) -> Result<SharedShape, &'static str> {
+fn field(heights: &[Vec<f64>], size: [f64; 3]) -> SharedShape {
     let (rows, columns) = (heights.len(), heights.first().map_or(0, Vec::len));
-    if rows < 2 || columns < 2 {
-        return Err("a height field needs two rows and two columns");
-    }
-    if heights.iter().any(|row| row.len() != columns) {
-        return Err("the rows of a height field must be of one length");
-    }
     let mut array = Array2::repeat(rows, columns, 0.0);
     for (i, row) in heights.iter().enumerate() {
         for (j, height) in row.iter().enumerate() {
             array[(i, j)] = *height as Real;
         }
     }
-    Ok(SharedShape::heightfield(array, vector(size)))
+    SharedShape::heightfield(array, vector(size))
+}
+
+/// Hulls and decompositions panic where points are almost in a plane, so close to it that no test beforehand tells all of
+/// them: such a panic is no hull.
+fn contained<T>(make: impl FnOnce() -> T) -> Option<T> {
+    std::panic::catch_unwind(AssertUnwindSafe(make)).ok()
+}
+
+fn has_volume(shape: &SharedShape) -> bool {
+    let mass = shape.mass_properties(1.0).mass();
+    mass.is_normal() && mass > 0.0
 }
 
 fn decomposition(mesh: &Mesh, name: &str) -> Result<SharedShape, RunError> {
     let mesh = surface(mesh, name)?;
-    mesh.check_closed().map_err(|_| RunError::Shape {
+    let wrong = |what| RunError::Shape {
         name: name.into(),
-        what: "only a closed surface can be cut into convex parts",
-    })?;
-    Ok(SharedShape::convex_decomposition(
-        &mesh.vertices,
-        &mesh.triangles,
-    ))
+        what,
+    };
+    if mesh.triangles.len() > MOST_TO_CUT {
+        return Err(wrong(
+            "a surface of more than a hundred thousand triangles is not cut into parts",
+        ));
+    }
+    let closed = mesh.check_closed();
+    closed.map_err(|_| wrong("only a closed surface can be cut into convex parts"))?;
+    // Against the box around it: what is thinner than rounding has no inside.
+    let (low, high) = mesh
+        .vertices
+        .iter()
+        .fold((Vector::INFINITY, Vector::NEG_INFINITY), |(lo, hi), v| {
+            (lo.min(*v), hi.max(*v))
+        });
+    let size = f64::from((high - low).max_element());
+    let volume = mesh.volume();
+    if volume.is_nan() || volume <= 1.0e-9 * size.powi(3) {
+        return Err(wrong(
+            "a surface without a volume can't be cut into convex parts",
+        ));
+    }
+    let cut = || {
+        let parts = VHACD::decompose(
+            &VHACDParameters::default(),
+            &mesh.vertices,
+            &mesh.triangles,
+            true,
+        );
+        let hulls = parts.compute_exact_convex_hulls(&mesh.vertices, &mesh.triangles);
+        let convex = |(points, faces): (Vec<_>, Vec<_>)| SharedShape::convex_mesh(points, &faces);
+        let parts: Vec<_> = hulls
+            .into_iter()
+            .filter_map(convex)
+            .filter(has_volume)
+            .collect();
+        let still = parts.into_iter().map(|part| (Pose::IDENTITY, part));
+        still.collect::<Vec<_>>()
+    };
+    let parts = contained(cut).filter(|parts| !parts.is_empty());
+    let parts = parts.ok_or_else(|| wrong("this surface can't be cut into convex parts"))?;
+    Ok(SharedShape::compound(parts))
 }
 
 fn compound(parts: &[Placed], name: &str) -> Result<SharedShape, RunError> {
     let part = |p: &Placed| {
         let turn = Rotation::from_scaled_axis(vector(p.rotation));
         let pose = Pose::from_parts(vector(p.translation), turn);
-        let made = shape(&p.shape, name)?;
-        if made.as_composite_shape().is_some() {
-            return Err(RunError::Shape {
-                name: name.into(),
-                what: "a part of a compound can't itself be a compound, a mesh or a polyline",
-            });
-        }
-        Ok((pose, made))
+        Ok::<_, RunError>((pose, shape(&p.shape, name)?))
     };
     let parts: Result<Vec<_>, _> = parts.iter().map(part).collect();
     Ok(SharedShape::compound(parts?))

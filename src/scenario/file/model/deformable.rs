@@ -5,16 +5,14 @@ use super::super::check::{
 };
 use super::super::decode::{Decode, Decoder};
 use super::super::formula::Formula;
+use super::super::limits::NODES;
 use super::super::schema::{choice, record};
 use super::super::tree::Node;
 use super::material::{Made, SolidMaterial, SpringMaterial};
 use super::rigid::{Groups, Rule};
-use super::shape::{Mesh, file};
+use super::shape::{Mesh, file, named};
 use super::world::{Scheme, Substepping};
 use std::path::PathBuf;
-
-/// Most nodes of one deformable.
-pub(crate) const MOST_NODES: f64 = 1.0e6;
 
 /// What a formula of a region may name: a place in the body's own frame \[m\], and the corners of the body there.
 pub(crate) const PLACE: [&str; 9] = [
@@ -82,6 +80,8 @@ record! {
         solver_groups: Groups = Groups::all();
         /// Its dominance group.
         dominance: i8 = 0;
+        /// Whether it may fall asleep.
+        can_sleep: bool = true;
         /// Factor on gravity.
         gravity_scale: f64 = 1.0, FINITE;
         /// D in the force −D·v on every node \[N·s/m\].
@@ -194,7 +194,17 @@ pub struct TetFile(pub PathBuf);
 
 impl Decode for TetFile {
     fn decode(node: &Node, d: &mut Decoder) -> Option<Self> {
-        file(node, d, &["msh", "node"]).map(Self)
+        let path = file(node, d, &["msh", "node"])?;
+        let is_node = path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("node"));
+        if is_node {
+            // What is read beside it must be allowed as well.
+            let beside = path.with_extension("ele");
+            let name = beside.file_name().unwrap_or_default().to_string_lossy();
+            named(node, d, &path, &name)?;
+        }
+        Some(Self(path))
     }
 }
 
@@ -295,13 +305,12 @@ choice! {
 
 /// Sizes before anything is allocated, indices, and the material that the body needs.
 fn fits(body: &Deformable, node: &Node, d: &mut Decoder) -> Option<()> {
-    let tets = matches!(
-        body.body,
-        Body::TetBox { .. } | Body::TetFilled { .. } | Body::TetMesh(_)
-    );
+    let tets = body.body.has_tets();
+    let both = (0..3).find(|i| body.low[*i].is_some() && body.high[*i].is_some());
     let net = matches!(body.body, Body::Net { .. });
     let complaint = match body.body.too_many() {
         Some(what) => what,
+        None if both.is_some() => "`low` and `high` can't both be given along one axis".into(),
         None if tets && body.solid.is_none() => "bodies of tets need a `solid`".into(),
         None if tets && (body.material.is_some() || !body.parts.is_empty()) => {
             "bodies of tets have a `solid` instead of `material` and `parts`".into()
@@ -325,37 +334,67 @@ fn fits(body: &Deformable, node: &Node, d: &mut Decoder) -> Option<()> {
 }
 
 impl Body {
-    /// What would be too many, by sizes alone, or an index that is none.
-    fn too_many(&self) -> Option<String> {
+    /// Whether it is of tets.
+    pub(crate) fn has_tets(&self) -> bool {
+        matches!(
+            self,
+            Self::TetBox { .. } | Self::TetFilled { .. } | Self::TetMesh(_)
+        )
+    }
+
+    /// How many nodes it has at the most, as far as that is known before files are read.
+    pub(crate) fn nodes(&self) -> Option<f64> {
         let cells = |size: &[f64; 3], cell: f64| {
             let counts = size.iter().map(|s| (s / cell).round().max(1.0) + 1.0);
             counts.product::<f64>()
         };
-        let nodes = match self {
+        // Nodes in the middles of edges are seven times as many as corners.
+        let with_middles = |quadratic: bool| if quadratic { 8.0 } else { 1.0 };
+        Some(match self {
             Self::Lattice { size, cell } => cells(size, *cell),
             Self::TetBox {
                 size,
                 cell,
                 quadratic,
                 ..
-            } => cells(size, *cell) * if *quadratic { 8.0 } else { 1.0 },
+            } => cells(size, *cell) * with_middles(*quadratic),
             Self::Sheet { nodes, .. } => nodes[0] as f64 * nodes[1] as f64,
-            Self::Net {
-                nodes,
-                springs,
-                faces,
-            } => {
-                let count = nodes.len();
-                let named = springs.iter().flat_map(|s| s.nodes);
-                let mut named = named.chain(faces.iter().flatten().copied());
-                let wrong = named.find(|n| *n as usize >= count)?;
-                return Some(format!(
-                    "node {wrong} is named, but there are {count}, counted from 0"
-                ));
-            }
-            _ => return None,
-        };
-        (nodes > MOST_NODES)
-            .then(|| format!("{nodes:.0} nodes are too many, at most {MOST_NODES} are possible"))
+            Self::Rope { segments, .. } => *segments as f64 + 1.0,
+            Self::Net { nodes, .. } => nodes.len() as f64,
+            Self::Filled { mesh, cell } => cells_around(mesh.sides()?, *cell),
+            Self::TetFilled {
+                mesh,
+                cell,
+                quadratic,
+            } => cells_around(mesh.sides()?, *cell) * with_middles(*quadratic),
+            Self::TetMesh(_) => return None,
+        })
     }
+
+    /// What would be too many, by sizes alone, or an index that is none.
+    fn too_many(&self) -> Option<String> {
+        if let Self::Net {
+            nodes,
+            springs,
+            faces,
+        } = self
+        {
+            let count = nodes.len();
+            let named = springs.iter().flat_map(|s| s.nodes);
+            let mut named = named.chain(faces.iter().flatten().copied());
+            let wrong = named.find(|n| *n as usize >= count)?;
+            return Some(format!(
+                "node {wrong} is named, but there are {count}, counted from 0"
+            ));
+        }
+        let nodes = self.nodes().filter(|n| *n > NODES)?;
+        Some(format!(
+            "{nodes:.0} nodes are too many, at most {NODES} are possible"
+        ))
+    }
+}
+
+/// How many corners the cells around a box of these sides have at the most.
+pub(crate) fn cells_around(sides: [f64; 3], cell: f64) -> f64 {
+    sides.iter().map(|s| (s / cell).ceil() + 1.0).product()
 }

@@ -37,6 +37,8 @@ fn bounded(e: &Expectation, node: &Node, d: &mut Decoder) -> Option<()> {
     let tolerance = e.within.is_some() || e.within_share.is_some();
     let complaint = if hash && (bounds || tolerance || e.hash.is_none()) {
         "StateHash goes with `hash: \"…\"` and nothing else"
+    } else if e.hash.as_ref().is_some_and(|h| !is_hash(h)) {
+        "a hash has 16 hexadecimal digits"
     } else if !hash && e.hash.is_some() {
         "`hash` goes with StateHash"
     } else if !hash && !bounds {
@@ -54,6 +56,10 @@ fn bounded(e: &Expectation, node: &Node, d: &mut Decoder) -> Option<()> {
     };
     d.wrong(node.at, |_| complaint.into());
     None
+}
+
+fn is_hash(text: &str) -> bool {
+    text.len() == 16 && text.bytes().all(|b| b.is_ascii_hexdigit())
 }
 
 choice! {

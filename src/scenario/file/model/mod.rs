@@ -15,6 +15,7 @@ use super::check::{BODY, FINITE, Length};
 use super::decode::{Check, Decoder};
 use super::formula::Variables;
 use super::schema::{Entry, record};
+use super::tree::Node;
 pub use actuator::{Act, Signal};
 pub use deformable::{Alike, Attachment, Body, Deformable, Hold, Region, Set};
 pub use expect::{Expectation, Quantity};
@@ -34,7 +35,7 @@ record! {
         about: String = String::new();
         /// Whether it takes so long that the ordinary tests leave it out.
         slow: bool = false;
-        /// Numbers by name, for formulas; `--set name=value` changes one. A formula may name variables above it.
+        /// Numbers by name, for formulas; `--set name=value` changes one. A formula may name others.
         variables: Variables = Variables::new();
         /// Scenes whose things are put before those of this one, relative to this file. A value that stands in both is taken
         /// from here. Empty once the scene is loaded.
@@ -44,9 +45,9 @@ record! {
         /// Gravity, time, substeps.
         world: World = World::default();
         /// Rigid bodies with their colliders.
-        rigid: Vec<Rigid> = Vec::new(), Length { from: 0, to: 100_000 };
+        rigid: Vec<Rigid> = Vec::new(), Length { from: 0, to: 20_000 };
         /// Joints between rigid bodies.
-        joints: Vec<Joint> = Vec::new(), Length { from: 0, to: 100_000 };
+        joints: Vec<Joint> = Vec::new(), Length { from: 0, to: 20_000 };
         /// Deformable bodies.
         deformables: Vec<Deformable> = Vec::new(), Length { from: 0, to: 10_000 };
         /// Soft bodies of Rapier's own, to compare with.
@@ -65,8 +66,31 @@ record! {
         expect: Vec<Expectation> = Vec::new(), Length { from: 0, to: 1000 };
         /// From which direction pictures are taken, any length.
         view: [f64; 3] = [-0.05, 0.38, 1.0], FINITE;
-        /// When pictures are taken \[s\]; at the beginning and the end if the list is empty.
-        frames: Vec<f64> = Vec::new(), FINITE;
+        /// When pictures are taken \[s\], ascending; at the beginning and the end if the list is empty.
+        frames: Vec<f64> = Vec::new(), FRAMES;
+    }
+    then together
+}
+
+/// What only shows when all of a scene is known.
+fn together(scene: &Scenario, node: &Node, d: &mut Decoder) -> Option<()> {
+    super::limits::check(scene, node, d);
+    super::whole::check(scene, node, d);
+    (!d.failed()).then_some(())
+}
+
+/// Most pairs of bodies that do not touch, each of which is looked for at every contact.
+const MOST_PAIRS: usize = 1000;
+
+/// Times of pictures.
+struct Frames;
+const FRAMES: Frames = Frames;
+
+impl Check<Vec<f64>> for Frames {
+    fn complaint(&self, times: &Vec<f64>, d: &Decoder) -> Option<String> {
+        let few = Length { from: 0, to: 1000 };
+        few.complaint(times, d)
+            .or_else(|| FINITE.complaint(times, d))
     }
 }
 
@@ -76,7 +100,13 @@ const PAIRS: Pairs = Pairs;
 
 impl Check<Vec<[String; 2]>> for Pairs {
     fn complaint(&self, pairs: &Vec<[String; 2]>, d: &Decoder) -> Option<String> {
-        pairs.iter().find_map(|pair| BODY.complaint(pair, d))
+        let few = Length {
+            from: 0,
+            to: MOST_PAIRS,
+        };
+        let wrong = |pair| BODY.complaint(pair, d);
+        few.complaint(pairs, d)
+            .or_else(|| pairs.iter().find_map(wrong))
     }
 }
 

@@ -2,9 +2,11 @@
 
 use super::super::check::{BODY, DEFORMABLE, FINITE, PARTNER, PROBE, RATE, RIGID};
 use super::super::decode::Decoder;
+use super::super::limits::USUAL_RATE;
 use super::super::schema::{choice, record};
 use super::super::tree::{Node, Value};
 use super::deformable::Region;
+use crate::record::Cfc;
 
 record! {
     /// A channel that is written and can be named.
@@ -23,6 +25,44 @@ record! {
         cfc: Option<Class> = None;
     }
     then no_probe
+}
+
+impl Probe {
+    /// How many samples it has over a run of this duration \[s\], if it does not come as it is recorded.
+    pub(crate) fn samples(&self, duration: f64) -> f64 {
+        let usual = if self.of.is_binned() { USUAL_RATE } else { 0.0 };
+        self.rate.unwrap_or(usual) * duration
+    }
+}
+
+impl Class {
+    /// The filter.
+    pub(crate) fn cfc(&self) -> Cfc {
+        match self {
+            Self::Cfc60 => Cfc::Cfc60,
+            Self::Cfc180 => Cfc::Cfc180,
+            Self::Cfc600 => Cfc::Cfc600,
+            Self::Cfc1000 => Cfc::Cfc1000,
+        }
+    }
+}
+
+impl Channel {
+    /// Whether its values are means over bins of time, as those of forces are.
+    pub(crate) fn is_binned(&self) -> bool {
+        matches!(self, Self::Force { .. } | Self::Acceleration { .. })
+    }
+
+    /// The body whose nodes or tets a formula chooses, with the formula.
+    pub(crate) fn region(&self) -> Option<(&str, &Region)> {
+        match self {
+            Self::Position { of, nodes, .. }
+            | Self::Velocity { of, nodes, .. }
+            | Self::Acceleration { of, nodes, .. } => nodes.as_ref().map(|r| (of.as_str(), r)),
+            Self::Stress { of, at } => at.as_ref().map(|r| (of.as_str(), r)),
+            _ => None,
+        }
+    }
 }
 
 fn no_probe(probe: &Probe, node: &Node, d: &mut Decoder) -> Option<()> {

@@ -5,8 +5,16 @@ use super::super::decode::{Decode, Decoder, variant};
 use super::super::formula::Formula;
 use super::super::schema::{Entry, choice};
 use super::super::tree::{Node, Value};
-use std::path::PathBuf;
+use crate::math::{Real, Vector};
+use std::path::{Path, PathBuf};
 
+/// Most bytes of all files of meshes together.
+const MOST_DATA: u64 = 256 << 20;
+/// Sides of the box around the hatchback \[m\].
+const HATCHBACK: [f64; 3] = [4.2084, 1.479, 1.7504];
+/// Most points of a hull, and of a surface that is cut into convex parts.
+const MOST_OF_A_HULL: usize = 10_000;
+const MOST_TO_CUT: f64 = 100_000.0;
 /// Most points of one shape.
 const POINTS: Length = Length {
     from: 1,
@@ -269,13 +277,134 @@ pub(super) fn file(node: &Node, d: &mut Decoder, endings: &[&str]) -> Option<Pat
         return None;
     }
     let from = d.files.get(node.at.file).cloned().unwrap_or_default();
-    match (d.locate)(&from, &text) {
-        Ok(path) => Some(path),
-        Err(what) => {
-            d.wrong(node.at, |_| what);
-            None
+    named(node, d, &from, &text)
+}
+
+/// The file of data that `text` means in the file `from`; complains of too many bytes in all.
+pub(super) fn named(node: &Node, d: &mut Decoder, from: &Path, text: &str) -> Option<PathBuf> {
+    let found = (d.locate)(from, text).and_then(|(path, bytes)| {
+        d.data_bytes += bytes;
+        match d.data_bytes {
+            all if all > MOST_DATA => Err(format!(
+                "with {text:?} the files of meshes have {all} bytes in all, at most {MOST_DATA} are read"
+            )),
+            _ => Ok(path),
+        }
+    });
+    found.map_err(|what| d.wrong(node.at, |_| what)).ok()
+}
+
+impl Mesh {
+    /// Sides of the box around it \[m\]; `None` for a file.
+    pub(crate) fn sides(&self) -> Option<[f64; 3]> {
+        match self {
+            Self::Hatchback => Some(HATCHBACK),
+            Self::File(_) => None,
+            Self::Ball { radius, .. } => Some([2.0 * radius; 3]),
+            Self::Points { vertices, .. } => Some(std::array::from_fn(|i| {
+                let along = vertices.iter().map(|v| v[i]);
+                let start = (f64::INFINITY, f64::NEG_INFINITY);
+                let (low, high) = along.fold(start, |(lo, hi), x| (lo.min(x), hi.max(x)));
+                high - low
+            })),
         }
     }
+
+    /// How many points it has; none for a file, whose bytes are limited.
+    fn points(&self) -> f64 {
+        match self {
+            Self::Hatchback => 3000.0,
+            Self::File(_) => 0.0,
+            Self::Ball { around, rings, .. } => (around * rings) as f64,
+            Self::Points {
+                vertices,
+                triangles,
+            } => vertices.len().max(triangles.len()) as f64,
+        }
+    }
+}
+
+impl Shape {
+    /// How many points it has, as far as that is known before files are read.
+    pub(crate) fn points(&self) -> f64 {
+        match self {
+            Self::Polyline { points } | Self::Hull { points, .. } | Self::Voxels { points, .. } => {
+                points.len() as f64
+            }
+            Self::HeightField { heights, .. } => heights.iter().map(|row| row.len() as f64).sum(),
+            Self::Terrain { size, cell, .. } => {
+                let along = size.map(|side| (side / cell).round().max(1.0) + 1.0);
+                along.iter().product()
+            }
+            Self::TriMesh(mesh) | Self::Decomposition(mesh) => mesh.points(),
+            Self::Compound(parts) => parts.iter().map(|p| p.shape.points()).sum(),
+            _ => 1.0,
+        }
+    }
+
+    /// Why no such shape can be made, as far as that shows before it is tried.
+    pub(crate) fn complaint(&self) -> Option<&'static str> {
+        match self {
+            Self::HalfSpace { normal } => {
+                let normal = Vector::from_array(normal.map(|x| x as Real));
+                let none = normal.try_normalize().is_none();
+                none.then_some("the normal has no length")
+            }
+            Self::Polyline { points } if points.len() < 2 => Some("a polyline needs two points"),
+            Self::Hull { points, .. } if points.len() > MOST_OF_A_HULL => {
+                Some("a hull has at most ten thousand points")
+            }
+            Self::Decomposition(mesh) if mesh.points() > MOST_TO_CUT => {
+                Some("a surface of more than a hundred thousand points is not cut into parts")
+            }
+            Self::HeightField { heights, .. } => field(heights),
+            Self::Voxels { size, points } => voxels(size, points),
+            Self::Compound(parts) => parts.iter().find_map(|p| match p.shape.is_composite() {
+                true => Some(
+                    "a part of a compound can't itself be a compound, a mesh, a ground or a polyline",
+                ),
+                false => p.shape.complaint(),
+            }),
+            _ => None,
+        }
+    }
+
+    /// Whether it is made of other shapes.
+    fn is_composite(&self) -> bool {
+        matches!(
+            self,
+            Self::Polyline { .. }
+                | Self::TriMesh(_)
+                | Self::HeightField { .. }
+                | Self::Terrain { .. }
+                | Self::Decomposition(_)
+                | Self::Voxels { .. }
+                | Self::Compound(_)
+        )
+    }
+}
+
+fn field(heights: &[Vec<f64>]) -> Option<&'static str> {
+    let columns = heights.first().map_or(0, Vec::len);
+    if heights.len() < 2 || columns < 2 {
+        return Some("a height field needs two rows and two columns");
+    }
+    let uneven = heights.iter().any(|row| row.len() != columns);
+    uneven.then_some("the rows of a height field must be of one length")
+}
+
+fn voxels(size: &[f64; 3], points: &[[f64; 3]]) -> Option<&'static str> {
+    if points.is_empty() {
+        return Some("voxels need a point");
+    }
+    // Their coordinates are counted in `i32`, with room for neighbours.
+    let far = |p: &[f64; 3]| {
+        p.iter()
+            .zip(size)
+            .any(|(x, side)| (x / side).abs() >= 1.0e9)
+    };
+    let any = points.iter().any(far);
+    any.then_some("a voxel must be less than a thousand million sizes from the middle")
 }
 
 impl Mesh {

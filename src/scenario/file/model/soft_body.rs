@@ -34,11 +34,16 @@ record! {
     then few
 }
 
+impl SoftBody {
+    /// How many particles it has.
+    pub(crate) fn particles(&self) -> f64 {
+        let along = |side: f64| (side / self.cell).round().max(1.0) + 1.0;
+        self.size.map(along).iter().product()
+    }
+}
+
 fn few(body: &SoftBody, node: &Node, d: &mut Decoder) -> Option<()> {
-    let counts = body
-        .size
-        .map(|side| (side / body.cell).round().max(1.0) + 1.0);
-    let n: f64 = counts.iter().product();
+    let n = body.particles();
     if n <= MOST {
         return Some(());
     }

@@ -1,6 +1,6 @@
 //! Gravity, time and substeps.
 
-use super::super::check::{COUNT, DURATION, FINITE, NOT_NEGATIVE, SHARE, STEP};
+use super::super::check::{COUNT, DURATION, FINITE, NOT_NEGATIVE, PASSES, SHARE, SHORTEST, STEP};
 use super::super::decode::Decoder;
 use super::super::schema::{choice, record};
 use super::super::tree::Node;
@@ -26,7 +26,7 @@ record! {
         /// Longest step of Rapier while a deformable can touch an awake dynamic body \[s\]; 0 for every substep.
         max_rigid_dt: f64 = 1.0 / 240.0, NOT_NEGATIVE;
         /// Gauss–Seidel passes over the contacts of a substep.
-        passes: usize = 4, COUNT;
+        passes: usize = 4, PASSES;
         /// What `random(i)` in formulas begins with; `--seed` changes it.
         seed: u64 = 0;
         /// Time between samples of positions and momentum \[s\].
@@ -81,7 +81,7 @@ choice! {
             /// Fraction of the longest stable substep that is used.
             safety: f64 = 0.9, SHARE;
             /// A body that needs shorter substeps is refused \[s\].
-            min_h: f64 = 1.0e-7, NOT_NEGATIVE;
+            min_h: f64 = 1.0e-7, SHORTEST;
         };
         /// This many per step; refused where unstable.
         Fixed(usize, COUNT);

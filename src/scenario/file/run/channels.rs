@@ -2,11 +2,12 @@
 
 use super::super::super::{Run, survey};
 use super::super::build::{Places, RunError, selected};
+use super::super::limits::USUAL_RATE;
 use super::super::model::{Axis, Channel, Class, Energy, Probe, Region, Scenario};
 use super::ScenarioRun;
 use crate::body::TetId;
 use crate::math::{DVec3, narrow};
-use crate::record::{Cfc, Interface, Moments, Resampled, SignalError, resample};
+use crate::record::{Interface, Moments, Resampled, SignalError, resample};
 use crate::world::{DeformableHandle, Energies};
 
 /// A number over time.
@@ -116,15 +117,6 @@ fn along(values: &[DVec3], axis: &Axis) -> Vec<f64> {
     values.iter().map(|v| v.to_array()[index(axis)]).collect()
 }
 
-fn class(class: &Class) -> Cfc {
-    match class {
-        Class::Cfc60 => Cfc::Cfc60,
-        Class::Cfc180 => Cfc::Cfc180,
-        Class::Cfc600 => Cfc::Cfc600,
-        Class::Cfc1000 => Cfc::Cfc1000,
-    }
-}
-
 fn term(of: &Energy) -> fn(&Energies) -> f64 {
     match of {
         Energy::Kinetic => |e| e.kinetic,
@@ -142,9 +134,6 @@ fn term(of: &Energy) -> fn(&Energies) -> f64 {
     }
 }
 
-/// How a channel that no probe is about is resampled.
-const RATE: f64 = 10_000.0;
-
 impl ScenarioRun {
     /// A probe as it was recorded.
     ///
@@ -155,9 +144,9 @@ impl ScenarioRun {
             channel: probe.name.clone(),
             source,
         };
-        let rate = probe.rate.unwrap_or(RATE);
+        let rate = probe.rate.unwrap_or(USUAL_RATE);
         let mut series = self.measure(&probe.of, rate).map_err(signal)?;
-        let cfc = probe.cfc.as_ref().map(class);
+        let cfc = probe.cfc.as_ref().map(Class::cfc);
         let mut dt = series.bins;
         if let (None, Some(recorded)) = (dt, series.interval())
             && (probe.rate.is_some() || cfc.is_some())
@@ -189,7 +178,7 @@ impl ScenarioRun {
             let probe = probes.find(|p| p.name == *name);
             return probe.map_or_else(|| Ok(Series::default()), |p| self.probe(p));
         }
-        self.measure(channel, RATE)
+        self.measure(channel, USUAL_RATE)
             .map_err(|source| RunError::Signal {
                 channel: format!("{channel:?}"),
                 source,

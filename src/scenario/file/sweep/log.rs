@@ -7,7 +7,7 @@ use super::axis::AxisError;
 use crate::scenario::file::LoadError;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
-use std::fs::{File, OpenOptions};
+use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 pub(super) const IDENTITY: &str = "sweep.json";
 pub(super) const RESULTS: &str = "results.jsonl";
 const TIMINGS: &str = "timings.jsonl";
+const LOCK: &str = "sweep.lock";
 
 /// Why a sweep can't be run or merged.
 #[derive(Debug, thiserror::Error)]
@@ -51,6 +52,12 @@ pub enum SweepError {
         /// The folder of the second.
         path: PathBuf,
     },
+    /// Another sweep is writing into the folder.
+    #[error("{} is being written by another sweep; wait for it, or take another folder", path.display())]
+    Busy {
+        /// The folder.
+        path: PathBuf,
+    },
     /// There is no log.
     #[error("{} has no sweep", path.display())]
     NoSweep {
@@ -73,15 +80,19 @@ pub struct Log {
     timings: File,
     folder: PathBuf,
     done: BTreeSet<usize>,
+    /// Held as long as the log is open; the system lets it go with the process, however that ends.
+    _lock: File,
 }
 
 impl Log {
     /// Opens the log in a folder, or begins one.
     ///
     /// # Errors
-    /// [`SweepError::Other`] for the log of a sweep with another `identity`, [`SweepError::File`].
+    /// [`SweepError::Busy`] if another process has it open, [`SweepError::Other`] for the log of a sweep with another
+    /// `identity`, [`SweepError::File`].
     pub fn open(folder: &Path, identity: &Value) -> Result<Self, SweepError> {
         std::fs::create_dir_all(folder).map_err(failed(folder))?;
+        let lock = locked(folder)?;
         let path = folder.join(IDENTITY);
         let identity = format!("{identity:#}\n");
         match std::fs::read_to_string(&path) {
@@ -104,6 +115,7 @@ impl Log {
             timings: whole_lines(&folder.join(TIMINGS))?,
             folder: folder.into(),
             done: BTreeSet::new(),
+            _lock: lock,
         };
         log.done = read(folder)?
             .into_iter()
@@ -132,6 +144,21 @@ impl Log {
         write(&mut self.timings, &timing, TIMINGS)?;
         self.done.insert(variant);
         Ok(())
+    }
+}
+
+/// Takes the lock of a folder.
+fn locked(folder: &Path) -> Result<File, SweepError> {
+    let path = folder.join(LOCK);
+    let file = File::create(&path).map_err(failed(&path))?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(TryLockError::WouldBlock) => Err(SweepError::Busy {
+            path: folder.into(),
+        }),
+        // Some file systems have no locks.
+        Err(TryLockError::Error(e)) if e.kind() == io::ErrorKind::Unsupported => Ok(file),
+        Err(TryLockError::Error(source)) => Err(failed(&path)(source)),
     }
 }
 

@@ -84,9 +84,10 @@ impl Merged {
 
     /// What a check of a variant measured; NaN where it measured nothing.
     pub fn measured(variant: &Value, check: usize) -> f64 {
-        variant["checks"][check]["measured"]
-            .as_f64()
-            .unwrap_or(f64::NAN)
+        let value = &variant["checks"][check]["measured"];
+        // JSON has no number for inf.
+        let word = || value.as_str().and_then(|text| text.parse().ok());
+        value.as_f64().or_else(word).unwrap_or(f64::NAN)
     }
 
     /// The value of a variable of a variant.
