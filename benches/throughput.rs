@@ -8,7 +8,7 @@
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
 use crumple::scenario;
-use crumple::scenario::speed::clock::Clock;
+use crumple::scenario::speed::clock::{Clock, alone};
 use crumple::scenario::speed::subject::shuffled;
 use crumple::shape::{TetSplit, tet_box_of_cells};
 use crumple::solve::Solver;
@@ -199,6 +199,10 @@ fn hot(body: &Deformable) -> f64 {
 }
 
 fn main() {
+    alone(tables);
+}
+
+fn tables() {
     let asked: Vec<String> = std::env::args().collect();
     let wants = |what: &str| asked.iter().any(|a| a == what);
     let all = !["scenes", "resting", "building"].iter().any(|w| wants(w));

@@ -123,7 +123,11 @@ pub struct Speed {
 ///
 /// # Errors
 /// [`SceneError`] where a scene can't be built.
-pub fn measure(sizes: &Sizes, mut tell: impl FnMut(&str)) -> Result<Speed, SceneError> {
+pub fn measure(sizes: &Sizes, tell: impl FnMut(&str) + Send) -> Result<Speed, SceneError> {
+    clock::alone(|| measure_alone(sizes, tell))
+}
+
+fn measure_alone(sizes: &Sizes, mut tell: impl FnMut(&str)) -> Result<Speed, SceneError> {
     tell("kernels");
     let kernels = kernels::rows(sizes)?;
     tell("roofline");
