@@ -7,7 +7,7 @@
 
 use crumple::rapier3d::prelude::*;
 use crumple::scenario::pile::{BLOCK, ROOM, ROPE, ROPE_SPRINGS, SHEET, SHEET_NODES, places};
-use crumple::scenario::speed::clock::Clock;
+use crumple::scenario::speed::clock::{Clock, alone};
 use crumple::scenario::{self, Run};
 
 const FRAMES: usize = 180;
@@ -115,6 +115,10 @@ fn rapier(iterations: usize) -> Outcome {
 }
 
 fn main() {
+    alone(table);
+}
+
+fn table() {
     println!("case,outside,sunk,ms_per_frame");
     let show = |case: &str, o: &Outcome| {
         let Outcome {

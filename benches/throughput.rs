@@ -1,13 +1,16 @@
 //! What contact costs: whole steps of crash scenes against their force loops alone, and a block at rest on the ground.
 //!
-//! `cargo bench --bench throughput --features scenario` prints two CSV tables. Spring updates per second: one physical
+//! `cargo bench --bench throughput --features scenario` prints three CSV tables. Spring updates per second: one physical
 //! spring, its force evaluated once, integration of its nodes included. Times are those of the thread, least of some runs.
-//! `-- scenes` or `-- resting` prints one of them; a number leaves out blocks of more nodes.
+//! `-- scenes`, `-- resting` or `-- building` prints one of them; a number leaves out blocks of more nodes. The third is how long
+//! it takes to build a body of a million springs, and what memory it takes.
 
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
 use crumple::scenario;
-use crumple::scenario::speed::clock::Clock;
+use crumple::scenario::speed::clock::{Clock, alone};
+use crumple::scenario::speed::subject::shuffled;
+use crumple::shape::{TetSplit, tet_box_of_cells};
 use crumple::solve::Solver;
 
 const RUNS: usize = 3;
@@ -137,13 +140,79 @@ fn resting(most: usize) {
     }
 }
 
+/// Bytes that the process has in memory (Linux).
+fn resident() -> f64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find(|l| l.starts_with("VmRSS:"));
+    let kib = line.and_then(|l| l.split_whitespace().nth(1)?.parse::<f64>().ok());
+    kib.map_or(f64::NAN, |kib| 1024.0 * kib)
+}
+
+fn building() {
+    println!("body,springs,net_s,body_s,first_step_s,hot_bytes_per_spring,bytes_per_spring");
+    let elastic = Material::elastic(5.0e5, 100.0);
+    let plastic = elastic.yielding(1e5, 0.0);
+    let mesh = || {
+        let mesh = tet_box_of_cells(Vector::ONE, [53; 3], TetSplit::Six).expect("a box");
+        shuffled(&mesh.springs())
+    };
+    let bodies: [(&str, &dyn Fn() -> Net); 2] = [
+        ("lattice", &|| {
+            lattice(Vector::ONE, 1.0 / 43.0).expect("a lattice")
+        }),
+        ("mesh without order", &mesh),
+    ];
+    for (name, net) in bodies {
+        for (kind, material) in [("plain", elastic), ("yields", plastic)] {
+            let before = resident();
+            let clock = Clock::start();
+            let net = net();
+            let made = clock.spent().as_secs_f64();
+            let mut deformables = DeformableWorld::default();
+            let body = deformables
+                .insert(DeformableBuilder::new(net).material(material))
+                .expect("the body is stable");
+            let built = clock.spent().as_secs_f64();
+            let mut world = PhysicsWorld::default();
+            world.integration_parameters.dt = 1e-5;
+            deformables.step(&mut world);
+            let stepped = clock.spent().as_secs_f64();
+            let springs = deformables[body].spring_count() as f64;
+            println!(
+                "{name} {kind},{springs},{made:.2},{:.2},{:.2},{:.0},{:.0}",
+                built - made,
+                stepped - built,
+                hot(&deformables[body]) / springs,
+                (resident() - before) / springs,
+            );
+        }
+    }
+}
+
+/// Bytes that a substep without yielding reads or writes.
+fn hot(body: &Deformable) -> f64 {
+    let mut state = body.blueprint().rest_state();
+    let mut solver = Solver::new(&body.blueprint().springs, &state);
+    solver.substep(&mut state, Integrator::SymplecticEuler, 1e-7);
+    let nodes = 80 * body.node_count();
+    (solver.table_bytes()[0] + nodes) as f64
+}
+
 fn main() {
+    alone(tables);
+}
+
+fn tables() {
     let asked: Vec<String> = std::env::args().collect();
     let wants = |what: &str| asked.iter().any(|a| a == what);
-    if !wants("resting") {
+    let all = !["scenes", "resting", "building"].iter().any(|w| wants(w));
+    if all || wants("building") {
+        building();
+    }
+    if all || wants("scenes") {
         scenes();
     }
-    if !wants("scenes") {
+    if all || wants("resting") {
         let most = asked.iter().find_map(|a| a.parse().ok());
         resting(most.unwrap_or(usize::MAX));
     }

@@ -7,7 +7,7 @@
 use crumple::body::{BuildError, Net};
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
-use crumple::scenario::speed::clock::Clock;
+use crumple::scenario::speed::clock::{Clock, alone};
 use crumple::shape::sheet_with_bending;
 
 /// Side of a sheet \[m\].
@@ -137,6 +137,10 @@ fn rapier(mass: f32, iterations: usize) -> Outcome {
 }
 
 fn main() {
+    alone(table);
+}
+
+fn table() {
     println!("case,sheet_kg,boxes_held,max_sag_m,ms_per_frame");
     for mass in [10.0, 1.0] {
         let show = |case: &str, o: &Outcome| {

@@ -13,6 +13,9 @@ use std::process::ExitCode;
 #[derive(Parser)]
 #[command(version, about)]
 struct Arguments {
+    /// How many threads compute; as many as the machine has, if it is not said. Results don't depend on it.
+    #[arg(long, global = true, value_name = "N")]
+    threads: Option<std::num::NonZeroUsize>,
     #[command(subcommand)]
     command: Command,
 }
@@ -41,7 +44,15 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    let result = match Arguments::parse().command {
+    let arguments = Arguments::parse();
+    if let Some(threads) = arguments.threads {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.get());
+        if let Err(error) = pool.build_global() {
+            eprintln!("error: can't start {threads} threads: {error}");
+            return ExitCode::from(2);
+        }
+    }
+    let result = match arguments.command {
         Command::List => {
             cli::list();
             Ok(())

@@ -71,8 +71,8 @@ fn print(speed: &Speed) {
     let threads = &speed.threads;
     let note = threads.note.map_or(String::new(), |n| format!(": {n}"));
     println!(
-        "\n{} threads: {:.2} × one{note}",
-        threads.threads, threads.speedup
+        "\n{} threads on a mesh without order of {} springs: {:.2} × one{note}",
+        threads.threads, threads.springs, threads.speedup
     );
     let r = &speed.roofline;
     println!(

@@ -13,6 +13,7 @@ pub mod springs;
 pub mod stable;
 #[cfg(feature = "statics")]
 pub mod statics;
+pub(crate) mod threads;
 pub mod work;
 
 pub use integrate::Integrator;

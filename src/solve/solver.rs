@@ -8,8 +8,9 @@ use super::external::{External, ForceField};
 use super::fem::Part;
 use super::forces::{Force, LimitEvent, dot, spring_forces, three};
 use super::integrate::Integrator;
-use super::kernel::Kernel;
+use super::kernel::{Kernel, Totals};
 use super::springs::{Rows, SpringTable};
+use super::threads;
 use super::work::Work;
 use crate::body::NodeId;
 use crate::body::net::Spring;
@@ -48,6 +49,8 @@ pub struct Solver<S> {
     pub(crate) applied: Vec<[S; 3]>,
     pub(crate) start: Vec<([S; 3], [S; 3])>,
     pub(crate) sums: Vec<([S; 3], [S; 3])>,
+    /// Of each block of nodes.
+    pub(crate) totals: Vec<Totals>,
     /// Springs that yielded or broke since the last look. Each does so once.
     pub(crate) events: Vec<LimitEvent<S>>,
     /// Largest squared speed that the last integration pass has seen, before rows gave their impulses; NaN or infinite when a
@@ -185,7 +188,7 @@ impl<S: Scalar> Solver<S> {
             &mut self.events,
             (commit, self.external.drag),
         );
-        if let Some(part) = &self.part {
+        if let Some(part) = &mut self.part {
             part.add_forces(self.kernel, &state.particles, &mut self.forces);
         }
         self.work.plastic += happened.plastic;
@@ -200,12 +203,19 @@ impl<S: Scalar> Solver<S> {
         }
         let Some(field) = field else { return };
         self.applied.resize(state.particles.len(), [S::ZERO; 3]);
-        for (i, sum) in self.applied.iter_mut().enumerate() {
-            let (x, v) = (state.position(i).as_vec3(), state.velocity(i).as_vec3());
-            let f: Vector = field.force(NodeId(i as u32), x, v, time);
-            for (s, f) in sum.iter_mut().zip(f.to_array()) {
-                *s += S::of(f.into());
+        let parts = threads::parts(threads::NODE * state.particles.len());
+        let nodes = threads::Nodes {
+            first: 0,
+            values: &mut self.applied[..],
+        };
+        threads::share(nodes, parts, &|nodes| {
+            for (i, sum) in (nodes.first..).zip(nodes.values) {
+                let (x, v) = (state.position(i).as_vec3(), state.velocity(i).as_vec3());
+                let f: Vector = field.force(NodeId(i as u32), x, v, time);
+                for (s, f) in sum.iter_mut().zip(f.to_array()) {
+                    *s += S::of(f.into());
+                }
             }
-        }
+        });
     }
 }

@@ -3,7 +3,6 @@
 use super::meet::Meeting;
 use super::observer::Partner;
 use super::reach::Search;
-use super::report::StepReport;
 use super::substep::{Group, NEAR};
 use super::{
     AttachTo, AttachmentHandle, Deformable, DeformableHandle, DeformableWorld, RapierParts, reach,
@@ -320,14 +319,6 @@ impl DeformableWorld {
         for (handle, mut body) in group.members {
             body.shifted = 0.0;
             self.put_back(handle, body);
-        }
-    }
-
-    pub(super) fn report_group(report: &mut StepReport, group: &Group, n: usize) {
-        for (handle, body) in &group.members {
-            report.add_substeps(*handle, n);
-            report.spring_updates += (n * body.spring_count()) as u64;
-            report.tet_updates += (n * body.tet_count()) as u64;
         }
     }
 }

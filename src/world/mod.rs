@@ -1,5 +1,6 @@
 //! The world of deformables beside a Rapier world.
 
+mod advance;
 mod attach;
 mod attachment;
 mod budget;

@@ -7,8 +7,8 @@ use crate::body::{NodeId, SpringId};
 use crate::math::DVec3;
 use rapier3d::geometry::ColliderHandle;
 
-/// Sees every substep of every group of deformables.
-pub trait Observer {
+/// Sees every substep of every group of deformables. `Send`, because bodies may be advanced by the threads of a pool.
+pub trait Observer: Send {
     /// Called after a substep.
     fn substep(&mut self, substep: &Substep);
     /// Called when a spring yields for the first time or breaks.
@@ -17,6 +17,12 @@ pub trait Observer {
     fn attachment_event(&mut self, _event: &AttachmentBroke) {}
     /// Called at the end of a step for every contact that began, was strong or ended in it.
     fn touch_event(&mut self, _event: &TouchEvent) {}
+    /// Whether [`Self::substep`], [`Self::event`] and [`Self::attachment_event`] are to be called; asked in every rigid step. They
+    /// are called in the order of groups, one group after the other. Without them groups are advanced at once where there are
+    /// threads (feature `parallel`).
+    fn wants_substeps(&self) -> bool {
+        true
+    }
     /// Whether [`Substep::node_impulses`] are wanted, which costs time; asked in every substep.
     fn wants_node_impulses(&self) -> bool {
         false
@@ -26,6 +32,9 @@ pub trait Observer {
 /// Observes nothing.
 impl Observer for () {
     fn substep(&mut self, _: &Substep) {}
+    fn wants_substeps(&self) -> bool {
+        false
+    }
 }
 
 /// What happened in a substep of one group.

@@ -56,7 +56,8 @@ impl Substeps {
     }
 }
 
-/// Settings of a [`DeformableWorld`](super::DeformableWorld).
+/// Settings of a [`DeformableWorld`](super::DeformableWorld). How many threads compute (feature `parallel`) is no setting of a
+/// world: they are those of Rayon's pool within which it is stepped, else of Rayon's global one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(

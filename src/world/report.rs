@@ -1,5 +1,6 @@
 //! What a step did, for those who ask.
 
+use super::substep::Group;
 use super::touch::TouchEvent;
 use super::{AttachmentHandle, DeformableHandle};
 use rapier3d::geometry::ColliderHandle;
@@ -44,7 +45,32 @@ impl StepReport {
         };
     }
 
-    pub(super) fn add_substeps(&mut self, handle: DeformableHandle, n: usize) {
+    /// Adds n substeps of a group.
+    pub(super) fn add_group(&mut self, group: &Group, n: usize) {
+        for (handle, body) in &group.members {
+            self.add_substeps(*handle, n);
+            self.spring_updates += (n * body.spring_count()) as u64;
+            self.tet_updates += (n * body.tet_count()) as u64;
+        }
+    }
+
+    /// Adds what came of a group.
+    pub(super) fn include(&mut self, group: &Self) {
+        for &(handle, n) in &group.substeps {
+            self.add_substeps(handle, n);
+        }
+        self.spring_updates += group.spring_updates;
+        self.tet_updates += group.tet_updates;
+        for &handle in &group.unstable {
+            note(&mut self.unstable, handle);
+        }
+        for &handle in &group.frozen {
+            log::warn!("deformable {handle:?} became non-finite and was frozen");
+            note(&mut self.frozen, handle);
+        }
+    }
+
+    fn add_substeps(&mut self, handle: DeformableHandle, n: usize) {
         match self.substeps.iter_mut().find(|(h, _)| *h == handle) {
             Some((_, sum)) => *sum += n,
             None => self.substeps.push((handle, n)),

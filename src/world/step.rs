@@ -1,13 +1,13 @@
 //! One step of the world, top to bottom: before Rapier's step the deformables and the shadows of what they touch are
 //! advanced, then Rapier steps, then rigid bodies get the rest of their impulses.
 
+use super::advance::{Advance, Moving};
 use super::group::Waiting;
 use super::kinematic::KinematicTargets;
 use super::observer::Observer;
 use super::reach::Search;
-use super::report::note;
-use super::substep::{Group, NEAR, Settings};
-use super::{DeformableWorld, RapierParts, meet, reach};
+use super::substep::{NEAR, Settings};
+use super::{DeformableWorld, RapierParts, reach};
 use crate::contact::form::Form;
 use crate::coupling::handover;
 use crate::coupling::memory::BodyMemory;
@@ -187,96 +187,37 @@ impl DeformableWorld {
             body.prepare(parts.gravity, left);
             body.back_up();
         }
+        let advance = Advance {
+            time: self.time,
+            parity: self.parity,
+            dt,
+            frame,
+            review_interval: self.params.review_interval.max(1e-6),
+            settings: self.settings(parts.length_unit()),
+        };
         let mut parity = self.parity;
         self.drowsy.clear();
-        for mut group in self.form_groups(parts, dt) {
-            parity ^= self.advance_group(&mut group, parts, dt, frame, observer);
-            self.dissolve(group, parts, dt);
+        let groups = self.form_groups(parts, dt);
+        let mut moving: Vec<Moving> = groups.into_iter().map(Moving::from).collect();
+        advance.all(&mut moving, observer);
+        for moved in moving {
+            parity ^= moved.odd;
+            self.report.include(&moved.report);
+            self.dissolve(moved.group, parts, dt);
         }
         self.parity = parity;
         self.time += dt;
         self.observe_islands(dt, observer);
     }
 
-    /// Returns whether it took an odd number of substeps.
-    fn advance_group(
-        &mut self,
-        group: &mut Group,
-        parts: &RapierParts,
-        dt: f64,
-        frame: f64,
-        observer: &mut dyn Observer,
-    ) -> bool {
-        let unit = parts.length_unit();
-        let settings = Settings {
+    /// Settings of substeps, in a world of this length unit.
+    fn settings(&self, unit: f64) -> Settings {
+        Settings {
             passes: self.params.passes.max(1),
             push_out: self.params.push_out_speed * unit,
             near: NEAR * unit,
             touching: 1e-5 * unit,
             length_unit: unit,
-        };
-        let (mut time, mut parity) = (self.time, self.parity);
-        let (mut left, mut last) = (dt, None);
-        while left > 0.0 {
-            // The stable substep changes as bodies crumple, so a long rigid step is looked at anew now and then, unless
-            // what is left is a matter of a few substeps.
-            let needed = self.group_substeps(group, left, frame);
-            let reviews = (left / self.params.review_interval.max(1e-6) - 1e-6).ceil() as usize;
-            let n = needed.div_ceil(reviews.min(needed / 8).max(1));
-            Self::report_group(&mut self.report, group, n);
-            let h = left / needed as f64;
-            match last {
-                None => group.synchronise(h),
-                Some(last) => group.rows.change_substep(h / last),
-            }
-            last = Some(h);
-            for _ in 0..n {
-                time += h;
-                parity = !parity;
-                if !group.substep(h, time, parity, &settings, observer) {
-                    self.freeze(group);
-                    return false;
-                }
-            }
-            left = if n < needed { left - n as f64 * h } else { 0.0 };
-        }
-        // What rows did in the last substep, no integration pass has seen yet.
-        if !group.freeze_non_finite() {
-            self.freeze(group);
-        }
-        parity != self.parity
-    }
-
-    fn group_substeps(&mut self, group: &Group, dt: f64, frame: f64) -> usize {
-        let mut most = meet::substeps(group, dt).max(1);
-        for (handle, body) in &group.members {
-            let (n, unstable) = body.substeps_for(dt, frame);
-            most = most.max(n);
-            if unstable {
-                note(&mut self.report.unstable, *handle);
-            }
-        }
-        most
-    }
-
-    /// Reports the frozen bodies of a group and puts the others back to the start of the rigid step: what they got from a
-    /// body that was no longer finite is worthless.
-    fn freeze(&mut self, group: &mut Group) {
-        for (handle, body) in &mut group.members {
-            if body.frozen {
-                log::warn!("deformable {handle:?} became non-finite and was frozen");
-                note(&mut self.report.frozen, *handle);
-            } else {
-                body.go_back();
-            }
-            body.slots.fill(u32::MAX);
-        }
-        group.forget_contacts();
-        for (touched, shadow) in group.touched.iter().zip(&mut group.shadows[1..]) {
-            *shadow = touched.start;
-        }
-        for attachment in &mut group.attachments {
-            attachment.go_back();
         }
     }
 

@@ -27,6 +27,14 @@ impl Clock {
     }
 }
 
+/// Does something on one thread: a [`Clock`] knows nothing of the others that a world would call for help.
+pub fn alone<R: Send>(work: impl FnOnce() -> R + Send) -> R {
+    #[cfg(feature = "parallel")]
+    return super::threads::Pool::new(1).install(work);
+    #[cfg(not(feature = "parallel"))]
+    return work();
+}
+
 /// Nanoseconds on the processor, the first number of the scheduler's statistics.
 fn cpu() -> Option<u64> {
     let stat = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;

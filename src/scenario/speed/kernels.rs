@@ -63,7 +63,14 @@ fn materials() -> [(&'static str, Material, f32); 4] {
 /// # Errors
 /// [`SceneError`] where they can't be built.
 pub fn bodies(sizes: &Sizes) -> Result<[(&'static str, Net); 2], SceneError> {
-    let cells = sizes.kernel_cells;
+    bodies_of(sizes.kernel_cells)
+}
+
+/// The same with so many cells along a side.
+///
+/// # Errors
+/// [`SceneError`] where they can't be built.
+pub fn bodies_of(cells: u32) -> Result<[(&'static str, Net); 2], SceneError> {
     let tets = tet_box_of_cells(Vector::ONE, [cells; 3], TetSplit::Six)?;
     let regular = lattice(Vector::ONE, 1.0 / cells as f32)?;
     Ok([(GENERAL, shuffled(&tets.springs())), (LATTICE, regular)])

@@ -31,6 +31,8 @@ pub struct Sizes {
     pub long: f64,
     /// Cells along a side of the bodies that kernels are measured with.
     pub kernel_cells: u32,
+    /// Cells along a side of the body that threads share.
+    pub thread_cells: u32,
     /// Cells along a side of the body that is held against the roofline, which outgrows the nearest caches.
     pub roof_cells: u32,
     /// Nodes along a side of the cloth, the block and what meets the wall.
@@ -51,6 +53,7 @@ impl Sizes {
         rounds: 5,
         long: 0.05,
         kernel_cells: 19,
+        thread_cells: 29,
         roof_cells: 49,
         cloth: 100,
         block: 10,
@@ -63,6 +66,7 @@ impl Sizes {
         rounds: 1,
         long: 0.001,
         kernel_cells: 3,
+        thread_cells: 3,
         roof_cells: 3,
         cloth: 5,
         block: 3,
@@ -119,7 +123,11 @@ pub struct Speed {
 ///
 /// # Errors
 /// [`SceneError`] where a scene can't be built.
-pub fn measure(sizes: &Sizes, mut tell: impl FnMut(&str)) -> Result<Speed, SceneError> {
+pub fn measure(sizes: &Sizes, tell: impl FnMut(&str) + Send) -> Result<Speed, SceneError> {
+    clock::alone(|| measure_alone(sizes, tell))
+}
+
+fn measure_alone(sizes: &Sizes, mut tell: impl FnMut(&str)) -> Result<Speed, SceneError> {
     tell("kernels");
     let kernels = kernels::rows(sizes)?;
     tell("roofline");

@@ -4,6 +4,7 @@ use super::elements::{Basis, Element, Elements, Point};
 use crate::body::BuildError;
 use crate::math::{LANES, Number, Packed, Scalar, Wide};
 use crate::solve::kernel::Places;
+use std::ops::Range;
 
 /// Integration points of [`LANES`] elements. What is left over in the last block has no volume, and the nodes of its first
 /// element.
@@ -64,9 +65,18 @@ impl<S: Scalar, B: Basis<N, G>, const N: usize, const G: usize> Blocks<S, B, N, 
     /// All elements, as many at a time as there are lanes in `V`.
     #[inline(always)]
     pub(super) fn parts<V: Number>(&self) -> impl Iterator<Item = Batch> + use<S, B, V, N, G> {
+        self.parts_of::<V>(0..self.list.len())
+    }
+
+    /// Those of some blocks.
+    #[inline(always)]
+    pub(super) fn parts_of<V: Number>(
+        &self,
+        blocks: Range<usize>,
+    ) -> impl Iterator<Item = Batch> + use<S, B, V, N, G> {
         let each = LANES / V::LANES;
         let parts = self.count.div_ceil(V::LANES);
-        (0..parts).map(move |p| Batch {
+        (each * blocks.start..parts.min(each * blocks.end)).map(move |p| Batch {
             block: p / each,
             part: p % each,
         })

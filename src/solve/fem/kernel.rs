@@ -8,6 +8,8 @@ use crate::body::state::Particle;
 use crate::math::LANES;
 use crate::solve::forces::{Force, add_to};
 use crate::solve::kernel::{Half, Kernel, Pass, Vector, put_four, run};
+use crate::solve::threads::Work;
+use std::ops::Range;
 
 /// Adds the elastic and damping force of every element to its nodes.
 pub(crate) fn add_forces(
@@ -16,42 +18,74 @@ pub(crate) fn add_forces(
     particles: &[Particle<f32>],
     forces: &mut [Force<f32>],
 ) {
-    run(
-        kernel,
-        ElementForces {
-            model,
-            particles,
-            forces,
-        },
-    );
+    let elements = ElementForces {
+        model,
+        particles,
+        blocks: model.blocks(),
+        out: Out::Nodes(forces),
+    };
+    run(kernel, elements);
 }
 
-struct ElementForces<'a> {
-    model: &'a Model<f32>,
-    particles: &'a [Particle<f32>],
-    forces: &'a mut [Force<f32>],
+/// The elements of some blocks.
+pub(super) struct ElementForces<'a> {
+    pub model: &'a Model<f32>,
+    pub particles: &'a [Particle<f32>],
+    pub blocks: Range<usize>,
+    pub out: Out<'a>,
+}
+
+/// Where the forces of elements go.
+pub(super) enum Out<'a> {
+    /// They are added to those of nodes, which only all elements together may do.
+    Nodes(&'a mut [Force<f32>]),
+    /// They are kept, from those of the first block on: one for each node of each element.
+    Elements(&'a mut [Force<f32>]),
+}
+
+impl Work for ElementForces<'_> {
+    fn blocks(&self) -> usize {
+        match self.out {
+            Out::Nodes(_) => 1,
+            Out::Elements(_) => self.blocks.len(),
+        }
+    }
+
+    fn cut(self, at: usize) -> [Self; 2] {
+        let middle = self.blocks.start + at;
+        let each = LANES * self.model.nodes_per_element();
+        let [out, rest] = match self.out {
+            Out::Elements(forces) => {
+                let (forces, rest) = forces.split_at_mut(at * each);
+                [Out::Elements(forces), Out::Elements(rest)]
+            }
+            whole => [whole, Out::Elements(&mut [])],
+        };
+        let of = |blocks, out| Self {
+            model: self.model,
+            particles: self.particles,
+            blocks,
+            out,
+        };
+        [
+            of(self.blocks.start..middle, out),
+            of(middle..self.blocks.end, rest),
+        ]
+    }
 }
 
 impl Pass for ElementForces<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<V: Vector>(self) {
-        let mut rows = Rows {
-            particles: self.particles,
-            forces: self.forces,
-        };
-        self.model.add_by::<V>(&mut rows);
+    fn run<V: Vector>(mut self) {
+        let model = self.model;
+        model.add_by::<V>(self.blocks.clone(), &mut self);
     }
 }
 
-/// A field of particles and forces as the state and the solver have them.
-struct Rows<'a> {
-    particles: &'a [Particle<f32>],
-    forces: &'a mut [Force<f32>],
-}
-
-impl Rows<'_> {
+impl ElementForces<'_> {
+    /// Half of the rows of the nodes of some elements, less that of their first node.
     #[inline(always)]
     fn fetch<V: Vector, B: Basis<N, G>, const N: usize, const G: usize>(
         &self,
@@ -71,7 +105,7 @@ impl Rows<'_> {
     }
 }
 
-impl<V: Vector> Field<f32, V> for Rows<'_> {
+impl<V: Vector> Field<f32, V> for ElementForces<'_> {
     #[inline(always)]
     fn positions<B: Basis<N, G>, const N: usize, const G: usize>(
         &self,
@@ -107,12 +141,26 @@ impl<V: Vector> Field<f32, V> for Rows<'_> {
                 put_four(second, 0, lanes(&damping[n]));
             }
         }
-        for l in 0..blocks.filled::<V>(at) {
-            for (n, [elastic, damping]) in rows.iter().enumerate() {
-                let force = &mut self.forces[blocks.node::<V>(at, n, l)];
-                add_to(&mut force.elastic, elastic[l]);
-                if DAMPED {
-                    add_to(&mut force.damping, damping[l]);
+        let lanes = 0..blocks.filled::<V>(at);
+        match &mut self.out {
+            Out::Nodes(forces) => {
+                for l in lanes {
+                    for (n, [elastic, damping]) in rows.iter().enumerate() {
+                        let force = &mut forces[blocks.node::<V>(at, n, l)];
+                        add_to(&mut force.elastic, elastic[l]);
+                        if DAMPED {
+                            add_to(&mut force.damping, damping[l]);
+                        }
+                    }
+                }
+            }
+            Out::Elements(forces) => {
+                let first = LANES * (at.block - self.blocks.start) + V::LANES * at.part;
+                let kept = forces[N * first..].chunks_exact_mut(N);
+                for (l, kept) in lanes.zip(kept) {
+                    for (force, [elastic, damping]) in kept.iter_mut().zip(&rows) {
+                        (force.elastic, force.damping) = (elastic[l], damping[l]);
+                    }
                 }
             }
         }

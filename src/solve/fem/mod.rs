@@ -22,6 +22,7 @@ mod blocks;
 mod bound;
 mod eigen;
 mod elements;
+mod gather;
 mod kernel;
 mod mass;
 mod model;

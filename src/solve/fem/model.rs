@@ -14,7 +14,8 @@ use crate::law::elastic::tensor::unit;
 use crate::law::elastic::{
     Corotational, Elastic, Lame, NeoHookean, StVenantKirchhoff, StableNeoHookean, Viscous,
 };
-use crate::math::{Number, Pack, Packed, Scalar};
+use crate::math::{LANES, Number, Pack, Packed, Scalar};
+use std::ops::Range;
 
 #[derive(Clone, Debug)]
 enum Kind<S> {
@@ -105,6 +106,19 @@ impl<S: Scalar> Model<S> {
         by_kind!(self, (e, _) => e.list().len())
     }
 
+    /// How many nodes each element has.
+    pub(super) fn nodes_per_element(&self) -> usize {
+        match &self.kind {
+            Kind::Linear(..) => 4,
+            Kind::Quadratic(..) => 10,
+        }
+    }
+
+    /// The nodes of all elements, one element behind the other.
+    pub(super) fn nodes(&self) -> Vec<u32> {
+        by_kind!(self, (e, _) => e.list().iter().flat_map(|e| e.nodes).collect())
+    }
+
     /// Lumped mass of each node \[kg\]; 0 for one no element has.
     pub fn masses(&self) -> Vec<f64> {
         let mut masses = by_kind!(self, (e, _) => mass::lumped_volumes(e));
@@ -128,7 +142,7 @@ impl<S: Scalar> Model<S> {
             velocity: |_| [S::ZERO; 3],
             add: |n, elastic, _| add(n, elastic),
         };
-        self.add_forces::<Pack<S>, false>(&mut field);
+        self.add_forces::<Pack<S>, false>(self.blocks(), &mut field);
     }
 
     /// Gives every node the elastic force of its elements and the stiffness-proportional damping force \[N\]. The mass-proportional
@@ -144,24 +158,33 @@ impl<S: Scalar> Model<S> {
             velocity,
             add,
         };
-        self.add_forces::<Pack<S>, true>(&mut field);
+        self.add_forces::<Pack<S>, true>(self.blocks(), &mut field);
     }
 
-    /// The same by vectors `V` in any field: with damping where there is some.
+    /// All blocks of elements.
+    pub(super) fn blocks(&self) -> Range<usize> {
+        0..self.element_count().div_ceil(LANES)
+    }
+
+    /// The same by vectors `V` in any field, of some blocks of elements: with damping where there is some.
     #[inline(always)]
-    pub(super) fn add_by<V: Packed<S>>(&self, field: &mut impl Field<S, V>) {
+    pub(super) fn add_by<V: Packed<S>>(&self, blocks: Range<usize>, field: &mut impl Field<S, V>) {
         if self.solid.stiffness_damping > 0.0 {
-            self.add_forces::<V, true>(field);
+            self.add_forces::<V, true>(blocks, field);
         } else {
-            self.add_forces::<V, false>(field);
+            self.add_forces::<V, false>(blocks, field);
         }
     }
 
     #[inline(always)]
-    fn add_forces<V: Packed<S>, const DAMPED: bool>(&self, field: &mut impl Field<S, V>) {
+    fn add_forces<V: Packed<S>, const DAMPED: bool>(
+        &self,
+        blocks: Range<usize>,
+        field: &mut impl Field<S, V>,
+    ) {
         let viscous = Viscous::proportional(self.solid.stiffness_damping, self.lame);
         by_kind!(self, (_, b) => by_law!(self, V, law => {
-            pass::add_forces::<S, V, _, _, _, _, DAMPED>(b, (&law, &viscous), field);
+            pass::add_forces::<S, V, _, _, _, _, DAMPED>(b, blocks, (&law, &viscous), field);
         }));
     }
 

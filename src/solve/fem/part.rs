@@ -1,12 +1,14 @@
 //! The elements of a body as its solver holds them.
 
 use super::bound::{Moments, Rates};
+use super::gather::Gather;
 use super::kernel;
 use super::model::Model;
 use crate::body::state::Particle;
 use crate::math::Scalar;
 use crate::solve::forces::Force;
 use crate::solve::kernel::{Kernel, of_f32, of_f32_mut};
+use crate::solve::threads;
 use std::sync::Arc;
 
 /// Elements, and what the bound on their fastest mode needs to know of the masses. Copies of a body share both.
@@ -15,7 +17,16 @@ pub struct Part<S> {
     /// The elements.
     pub model: Arc<Model<S>>,
     moments: Arc<Moments<S>>,
+    /// Made when threads first share the body.
+    gather: Option<Box<Gather>>,
 }
+
+/// An element takes about as long as so many springs, per node that it has.
+const ELEMENT: usize = 3;
+
+/// The least parts that elements are shared out in: to keep and gather forces takes, in all, 1.6 times as long for linear tets
+/// and 2.3 times for quadratic ones (measured).
+const WORTH: usize = 4;
 
 impl<S: Scalar> Part<S> {
     /// Elements whose nodes have these masses \[kg\].
@@ -23,6 +34,7 @@ impl<S: Scalar> Part<S> {
         Self {
             moments: Arc::new(model.moments(|n| 1.0 / masses[n])),
             model,
+            gather: None,
         }
     }
 
@@ -33,17 +45,25 @@ impl<S: Scalar> Part<S> {
 
     /// Adds the elastic and damping force of every element to its nodes.
     pub(crate) fn add_forces(
-        &self,
+        &mut self,
         kernel: Kernel,
         particles: &Vec<Particle<S>>,
         forces: &mut Vec<Force<S>>,
     ) {
         if let (Some(model), Some(particles), Some(forces)) = (
-            of_f32(&*self.model),
+            of_f32::<_, Model<f32>>(&*self.model),
             of_f32::<_, Vec<_>>(particles),
             of_f32_mut::<_, Vec<_>>(forces),
         ) {
-            kernel::add_forces(kernel, model, particles, forces);
+            let work = ELEMENT * model.nodes_per_element() * model.element_count();
+            let parts = threads::parts(work);
+            if parts >= WORTH {
+                let new = || Box::new(Gather::new(model.node_count(), &model.nodes()));
+                let gather = self.gather.get_or_insert_with(new);
+                gather.add_forces((kernel, parts), model, particles, forces);
+            } else {
+                kernel::add_forces(kernel, model, particles, forces);
+            }
         } else {
             let add = |n: usize, elastic: [S; 3], damping: [S; 3]| {
                 for k in 0..3 {
@@ -56,13 +76,22 @@ impl<S: Scalar> Part<S> {
         }
         let alpha = S::of(self.model.solid().mass_damping);
         if alpha > S::ZERO {
-            let free = |p: &&Particle<S>| p.inv_mass > S::ZERO;
-            for (f, p) in forces.iter_mut().zip(particles).filter(|(_, p)| free(p)) {
-                let c = alpha / p.inv_mass;
-                for k in 0..3 {
-                    f.damping[k] -= c * p.v[k];
+            let nodes = threads::Nodes {
+                first: 0,
+                values: &mut forces[..particles.len()],
+            };
+            let parts = threads::parts(particles.len());
+            threads::share(nodes, parts, &|nodes| {
+                let particles = &particles[nodes.first..];
+                let free = |p: &Particle<S>| p.inv_mass > S::ZERO;
+                let each = nodes.values.iter_mut().zip(particles);
+                for (f, p) in each.filter(|(_, p)| free(p)) {
+                    let c = alpha / p.inv_mass;
+                    for k in 0..3 {
+                        f.damping[k] -= c * p.v[k];
+                    }
                 }
-            }
+            });
         }
     }
 

@@ -9,6 +9,7 @@ use super::elements::{Basis, Elements};
 use crate::law::elastic::tensor::{Mat, mul, mul_transpose, scale, zero};
 use crate::law::elastic::{Elastic, Viscous};
 use crate::math::{Packed, Scalar};
+use std::ops::Range;
 
 /// Where a pass finds positions and velocities, and where its forces go.
 pub(crate) trait Field<S: Scalar, V: Packed<S>> {
@@ -34,11 +35,12 @@ pub(crate) trait Field<S: Scalar, V: Packed<S>> {
     );
 }
 
-/// Gives every node the elastic force of its elements \[N\], and with `DAMPED` the damping force; the two are kept apart because
+/// Gives every node the elastic force of its elements in a list of blocks \[N\], and with `DAMPED` the damping force; the two are kept apart because
 /// an energy ledger wants the work of damping by itself.
 #[inline(always)]
 pub(crate) fn add_forces<S, V, B, L, const N: usize, const G: usize, const DAMPED: bool>(
     blocks: &Blocks<S, B, N, G>,
+    list: Range<usize>,
     (law, viscous): (&L, &Viscous<V>),
     field: &mut impl Field<S, V>,
 ) where
@@ -47,7 +49,7 @@ pub(crate) fn add_forces<S, V, B, L, const N: usize, const G: usize, const DAMPE
     B: Basis<N, G>,
     L: Elastic<V>,
 {
-    for at in blocks.parts::<V>() {
+    for at in blocks.parts_of::<V>(list) {
         let x = B::gradients(&field.positions(blocks, at));
         let mut v = [zero(); G];
         if DAMPED {

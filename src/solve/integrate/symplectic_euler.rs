@@ -5,7 +5,7 @@ use super::{Sums, acceleration, applied_at};
 use crate::body::state::State;
 use crate::math::Scalar;
 use crate::solve::external::ForceField;
-use crate::solve::kernel::{self, of_f32, of_f32_mut};
+use crate::solve::kernel::{self, of_f32_mut};
 use crate::solve::solver::Solver;
 
 pub(super) fn predict<S: Scalar>(
@@ -42,12 +42,12 @@ pub(super) fn predict<S: Scalar>(
 
 /// Moves the first nodes by a kernel, if there is one; how many.
 fn by_kernel<S: Scalar>(
-    solver: &Solver<S>,
+    solver: &mut Solver<S>,
     state: &mut State<S>,
     h: S,
     sums: &mut Sums<S>,
 ) -> usize {
-    let (Some(solver), Some(state)) = (of_f32(solver), of_f32_mut(state)) else {
+    let (Some(solver), Some(state)) = (of_f32_mut(solver), of_f32_mut(state)) else {
         return 0;
     };
     let (moved, totals) = kernel::symplectic_euler(solver, state, h.f64() as f32);

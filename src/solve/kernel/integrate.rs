@@ -1,11 +1,13 @@
 //! The pass of symplectic Euler over nodes, sixteen at a time; see [`crate::solve::integrate`] for what it does.
 
+use super::SLICES;
 use super::vector::{LANES, Pass, Vector, Wide, columns, columns_of_four, put, put_four, run};
 use crate::body::state::{Particle, State};
 use crate::math::two_sum;
 use crate::solve::forces::Force;
 use crate::solve::solver::Solver;
 use crate::solve::springs::Rows;
+use crate::solve::threads::{NODE, Work, parts, share};
 
 /// Speeds below this are none \[m/s\]: numbers that are not normal would cost a hundred cycles each.
 const STILL: f64 = 1e-20;
@@ -22,7 +24,7 @@ pub(crate) struct Totals {
 
 /// Moves all nodes but the last few that make no sixteen, none without a table for the kernels; how many it has moved.
 pub(crate) fn symplectic_euler(
-    solver: &Solver<f32>,
+    solver: &mut Solver<f32>,
     state: &mut State<f32>,
     h: f32,
 ) -> (usize, Totals) {
@@ -33,6 +35,8 @@ pub(crate) fn symplectic_euler(
     let (low, _) = state.low.as_chunks_mut::<LANES>();
     let (forces, _) = solver.forces.as_chunks::<LANES>();
     let moved = LANES * particles.len();
+    let mut totals = std::mem::take(&mut solver.totals);
+    totals.resize(particles.len().div_ceil(SLICES), Totals::default());
     let nodes = Nodes {
         particles,
         low,
@@ -41,8 +45,23 @@ pub(crate) fn symplectic_euler(
         damped: solver.is_damped(),
         gravity: solver.external.gravity,
         h,
+        totals: &mut totals,
     };
-    (moved, run(solver.kernel, nodes))
+    let kernel = solver.kernel;
+    share(nodes, parts(NODE * moved), &|nodes| run(kernel, nodes));
+    let mut sum = Totals::default();
+    totals.iter().for_each(|block| sum.add(block));
+    solver.totals = totals;
+    (moved, sum)
+}
+
+impl Totals {
+    fn add(&mut self, other: &Self) {
+        self.damping += other.damping;
+        self.external += other.external;
+        self.fastest = self.fastest.max(other.fastest);
+        self.all_speeds += other.all_speeds;
+    }
 }
 
 struct Nodes<'a> {
@@ -54,17 +73,49 @@ struct Nodes<'a> {
     damped: bool,
     gravity: [f32; 3],
     h: f32,
+    /// Sums of each block: few enough nodes that no sum in `f32` outgrows what is added to it, and that they stay in the nearest
+    /// cache for the next part.
+    totals: &'a mut [Totals],
 }
 
-/// How many groups of nodes are summed in `f32`, so that no sum outgrows what is added to it, and so few that they stay in the
-/// nearest cache for the next part.
-const RUN: usize = 16;
+impl Work for Nodes<'_> {
+    fn blocks(&self) -> usize {
+        self.totals.len()
+    }
+
+    fn cut(self, at: usize) -> [Self; 2] {
+        let groups = SLICES * at;
+        let (particles, more_particles) = self.particles.split_at_mut(groups);
+        let (low, more_low) = self.low.split_at_mut(groups);
+        let (forces, more_forces) = self.forces.split_at(groups);
+        let (applied, more_applied) = self.applied.split_at(groups.min(self.applied.len()));
+        let (totals, more_totals) = self.totals.split_at_mut(at);
+        [
+            Self {
+                particles,
+                low,
+                forces,
+                applied,
+                totals,
+                ..self
+            },
+            Self {
+                particles: more_particles,
+                low: more_low,
+                forces: more_forces,
+                applied: more_applied,
+                totals: more_totals,
+                ..self
+            },
+        ]
+    }
+}
 
 impl Pass for Nodes<'_> {
-    type Output = Totals;
+    type Output = ();
 
     #[inline(always)]
-    fn run<V: Vector>(self) -> Totals {
+    fn run<V: Vector>(self) {
         match (self.damped, self.applied.is_empty()) {
             (false, true) => self.runs::<V, false, false>(),
             (true, true) => self.runs::<V, true, false>(),
@@ -75,16 +126,16 @@ impl Pass for Nodes<'_> {
 
 impl Nodes<'_> {
     #[inline(always)]
-    fn runs<V: Vector, const DAMPED: bool, const APPLIED: bool>(self) -> Totals {
+    fn runs<V: Vector, const DAMPED: bool, const APPLIED: bool>(self) {
         let constants = Constants {
             gravity: self.gravity.map(|g| V::of(g.into())),
             h: V::of(self.h.into()),
             half: V::of((0.5 * self.h).into()),
             still: V::of(STILL),
         };
-        let mut totals = Totals::default();
-        for first in (0..self.particles.len()).step_by(RUN) {
-            let groups = first..self.particles.len().min(first + RUN);
+        for (block, totals) in self.totals.iter_mut().enumerate() {
+            let first = SLICES * block;
+            let groups = first..self.particles.len().min(first + SLICES);
             let mut sums = [[0.0; LANES]; 4].map(Wide);
             for part in 0..LANES / V::LANES {
                 let mut lanes = Lanes::<V>::default();
@@ -104,12 +155,13 @@ impl Nodes<'_> {
                 lanes.all_speeds.store(&mut sums[3], part);
             }
             let sum = |w: &Wide| w.0.iter().map(|&x| f64::from(x)).sum::<f64>();
-            totals.damping += sum(&sums[0]);
-            totals.external += sum(&sums[1]);
-            totals.fastest = sums[2].0.iter().fold(totals.fastest, |a, &b| a.max(b));
-            totals.all_speeds += sum(&sums[3]) as f32;
+            *totals = Totals {
+                damping: sum(&sums[0]),
+                external: sum(&sums[1]),
+                fastest: sums[2].0.iter().fold(0.0, |a, &b| a.max(b)),
+                all_speeds: sum(&sums[3]) as f32,
+            };
         }
-        totals
     }
 }
 

@@ -3,29 +3,100 @@
 //! A part of a slice is computed as if no spring had any; if then one was out of its range, all is computed again, by a function
 //! of its own that asks the law of plasticity wherever it may matter. So the usual loop has neither a branch nor a call.
 
+use super::log::{self, Entry, Springs};
 use super::pass::{Nodes, Trial, add_springs};
-use super::ranges::Limits;
-use super::table::{BySlot, End, Table, Untouched};
+use super::ranges::Span;
+use super::table::{End, Table, Untouched};
 use super::vector::{Aside, Half, LANES, Runs, Slot, Vector, Wide};
 use crate::body::state::Particle;
 use crate::law::plastic::{self, Yield};
 use crate::law::spring;
-use crate::solve::forces::{Happened, LimitEvent};
+use crate::solve::forces::Happened;
 use crate::solve::springs::Limit;
 
 /// What springs at their limits read and write in a pass.
 pub struct Limited<'a> {
-    pub limits: &'a mut Limits,
+    pub limits: Span<'a>,
     pub table: &'a [Limit<f32>],
-    /// Of the state.
-    pub rest: &'a mut [f32],
-    pub flow: &'a mut [f32],
-    pub events: &'a mut Vec<LimitEvent<f32>>,
+    pub book: Book<'a>,
     /// Time since the last commit \[s\]; none where nothing is to be written.
     pub commit: Option<f32>,
     /// Plastic work \[J\] by lanes: a sum whose order does not depend on the width.
     pub plastic: [f64; LANES],
     pub fracture: f64,
+}
+
+/// Where it is written what happens to springs.
+pub enum Book<'a> {
+    /// To the state.
+    State(Springs<'a>),
+    /// To a log, because other parts of the body are computed at once.
+    Log(log::Part<'a>),
+}
+
+/// Sums over a block.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Outcome {
+    pub happened: Happened,
+    /// How many entries of the log are its.
+    pub logged: usize,
+}
+
+impl<'a> Limited<'a> {
+    /// The whole of a body.
+    pub fn new(
+        limits: Span<'a>,
+        table: &'a [Limit<f32>],
+        book: Book<'a>,
+        commit: Option<f32>,
+    ) -> Self {
+        Self {
+            limits,
+            table,
+            book,
+            commit,
+            plastic: [0.0; LANES],
+            fracture: 0.0,
+        }
+    }
+
+    /// Whether it can't be cut, because it writes to the state.
+    pub fn is_whole(&self) -> bool {
+        matches!(self.book, Book::State(_))
+    }
+
+    /// The first so many blocks, that is what lies before a slice and its first slot, and the others.
+    pub fn cut(self, at: usize, (slice, slot): (usize, usize)) -> [Option<Self>; 2] {
+        let Book::Log(log) = self.book else {
+            return [Some(self), None];
+        };
+        let [limits, others] = self.limits.cut(slice, slot);
+        let [log, rest] = log.cut(at);
+        let of = |limits, log| Self::new(limits, self.table, Book::Log(log), self.commit);
+        [Some(of(limits, log)), Some(of(others, rest))]
+    }
+
+    /// Begins with one of its blocks.
+    pub fn begin(&mut self, block: usize) {
+        (self.plastic, self.fracture) = ([0.0; LANES], 0.0);
+        if let Book::Log(log) = &mut self.book {
+            log.begin(block);
+        }
+    }
+
+    /// What happened in the block.
+    pub fn end(&self, block: usize) -> Outcome {
+        Outcome {
+            happened: Happened {
+                plastic: self.plastic.iter().sum(),
+                fracture: self.fracture,
+            },
+            logged: match &self.book {
+                Book::State(_) => 0,
+                Book::Log(log) => log.count(block),
+            },
+        }
+    }
 }
 
 impl Limited<'_> {
@@ -39,19 +110,16 @@ impl Limited<'_> {
         nodes: Nodes<V>,
     ) -> Nodes<V> {
         let limits = &self.limits;
-        if !limits.busy[slice][part] {
-            let (sums, within) = if limits.untouched[slice] {
+        if !limits.is_busy(slice, part) {
+            let (sums, within) = if limits.is_untouched(slice) {
                 let rule = Untouched {
                     rest: table.rests(),
-                    slacks: &limits.slacks,
+                    slacks: limits.slacks,
                 };
                 let slots = table.regular_slots(slice, runs);
                 add_springs::<V, _, _, DAMPED>(table, slots, part, nodes, &rule)
             } else {
-                let rule = BySlot {
-                    rest: &limits.rest,
-                    ranges: &limits.ranges,
-                };
+                let rule = limits.rule();
                 add_springs::<V, _, _, DAMPED>(table, table.slots(slice), part, nodes, &rule)
             };
             if within {
@@ -65,13 +133,6 @@ impl Limited<'_> {
             part,
             nodes,
         })
-    }
-
-    pub fn happened(&self) -> Happened {
-        Happened {
-            plastic: self.plastic.iter().sum(),
-            fracture: self.fracture,
-        }
     }
 }
 
@@ -96,19 +157,19 @@ impl<V: Vector, const DAMPED: bool> Aside<V> for AtLimits<'_, '_, V, DAMPED> {
             part,
             mut nodes,
         } = self;
-        limited.limits.untouched[slice] = false;
+        limited.limits.touch(slice);
         let own = table.own(slice);
         if !DAMPED {
             nodes.velocity = own.velocity(part);
         }
         let mut busy = false;
         for (slot, far, which) in table.slots(slice) {
-            let rest = V::load(&limited.limits.rest[slot], part);
+            let rest = V::load(limited.limits.rest(slot), part);
             let trial = Trial::new(nodes.at, &far, part, rest);
             let stiffness = table.stiffness(which, part);
             let mut tension = spring::tension(stiffness, trial.elongation);
             let mut held = V::ONE;
-            let range = &limited.limits.ranges[slot];
+            let range = limited.limits.range(slot);
             let within = range.keep(V::ONE, trial.elongation, rest);
             if !within.all_above(V::ZERO) {
                 busy = true;
@@ -126,7 +187,7 @@ impl<V: Vector, const DAMPED: bool> Aside<V> for AtLimits<'_, '_, V, DAMPED> {
                 nodes.damp(&trial, rate, table.damping::<V>(which, part) * held);
             }
         }
-        limited.limits.busy[slice][part] = busy;
+        limited.limits.set_busy(slice, part, busy);
         nodes
     }
 }
@@ -140,7 +201,7 @@ struct Slots<'a> {
 }
 
 /// What the law says of springs to which something happens.
-struct Outcome {
+struct Answers {
     tension: Wide,
     energy: Wide,
     work: Wide,
@@ -183,7 +244,7 @@ impl Limited<'_> {
             hardening,
             inverse,
         };
-        let flow = V::load(&self.limits.flow[slot], part);
+        let flow = V::load(self.limits.flow(slot), part);
         let mapped = plastic::return_map(stiffness, trial.elongation, flow, &yields);
         let Some(h) = self.commit else {
             return (mapped.tension, V::ONE);
@@ -191,10 +252,10 @@ impl Limited<'_> {
         let flows = mapped.flow.abs().bits_above(V::ZERO);
         let breaks = mapped.tension.bits_above(break_force) | trial.length.bits_above(break_length);
         if flows != 0 {
-            (rest + mapped.flow).store(&mut self.limits.rest[slot], part);
-            (flow + mapped.flow.abs()).store(&mut self.limits.flow[slot], part);
-            self.limits.ranges[slot].forget();
-        } else if !self.limits.ranges[slot].is_known() {
+            (rest + mapped.flow).store(self.limits.rest(slot), part);
+            (flow + mapped.flow.abs()).store(self.limits.flow(slot), part);
+            self.limits.range(slot).forget();
+        } else if !self.limits.range(slot).is_known() {
             self.limits
                 .find_range::<V>(slot, self.table, table.stiffness_of(at.which));
         }
@@ -209,7 +270,7 @@ impl Limited<'_> {
             let last = stiffness * (trial.elongation - V::of(h.into()) * rate);
             self.book(
                 at,
-                &Outcome {
+                &Answers {
                     tension: wide(mapped.tension),
                     energy: wide(spring::energy(stiffness, trial.elongation - mapped.flow)),
                     work: wide(plastic::work(last, &mapped)),
@@ -226,31 +287,32 @@ impl Limited<'_> {
         (unbroken(mapped.tension), unbroken(V::ONE))
     }
 
-    /// Writes to the state what happened to springs.
-    fn book(&mut self, at: &Slots, outcome: &Outcome) {
+    /// Writes down what happened to springs.
+    #[inline(always)]
+    fn book(&mut self, at: &Slots, outcome: &Answers) {
         let mut bits = outcome.flows | outcome.breaks;
         while bits != 0 {
             let l = bits.trailing_zeros() as usize;
             bits &= bits - 1;
             let lane = at.part * outcome.lanes + l;
-            let spring = self.limits.springs.row(at.slot, lane);
-            let event = |broke| LimitEvent {
-                spring: spring as u32,
-                broke,
+            let entry = Entry {
+                spring: self.limits.springs.row(at.slot, lane) as u32,
+                flowed: outcome.flows >> l & 1 == 1,
+                broke: outcome.breaks >> l & 1 == 1,
+                rest: self.limits.rest(at.slot).0[lane],
+                flow: self.limits.flow(at.slot).0[lane],
                 tension: outcome.tension.0[l],
                 energy: outcome.energy.0[l],
             };
-            if outcome.flows >> l & 1 == 1 {
+            if entry.flowed {
                 self.plastic[lane] += f64::from(outcome.work.0[l]);
-                if self.flow[spring] == 0.0 {
-                    self.events.push(event(false));
-                }
-                self.rest[spring] = self.limits.rest[at.slot].0[lane];
-                self.flow[spring] = self.limits.flow[at.slot].0[lane];
             }
-            if outcome.breaks >> l & 1 == 1 {
-                self.fracture += f64::from(outcome.energy.0[l]);
-                self.events.push(event(true));
+            if entry.broke {
+                self.fracture += f64::from(entry.energy);
+            }
+            match &mut self.book {
+                Book::State(springs) => springs.write(&entry),
+                Book::Log(log) => log.push(entry),
             }
         }
     }

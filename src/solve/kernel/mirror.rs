@@ -3,8 +3,11 @@
 //! Reading sixteen nodes from anywhere costs sixteen loads and a transposition. Where they follow each other it is three loads,
 //! once every node has been transposed for all its neighbours.
 
+use super::SLICES;
 use super::table::{End, Table};
-use super::vector::{Columns, Half, LANES, Run, Starts, Three, Vector, columns};
+use super::vector::{Columns, Half, LANES, Pass, Run, Span, Starts, Three, Vector, columns};
+use crate::solve::threads::Work;
+use std::ops::Range;
 
 /// The nodes by columns, with a margin that means nothing before the first and behind the last.
 #[derive(Clone, Debug, Default)]
@@ -32,22 +35,69 @@ impl Mirror {
         (self.margin + LANES * slice).wrapping_add_signed(step as isize)
     }
 
-    /// Copies all nodes.
-    #[inline(always)]
-    pub fn fill<V: Vector, const DAMPED: bool>(&mut self, table: &Table) {
-        let together = table.together();
-        for (slice, nodes) in together.iter().enumerate() {
-            for part in 0..LANES / V::LANES {
-                let columns = columns::<V, _>(nodes, part);
-                self.put::<V, DAMPED>((slice, part), columns);
-            }
+    /// What copies all nodes.
+    pub fn copying<'a>(&'a mut self, table: Table<'a>) -> Copying<'a> {
+        Copying {
+            slices: 0..table.slices(),
+            margin: self.margin,
+            columns: self.columns.span(),
+            table,
         }
-        for slice in together.len()..table.slices() {
-            let own = table.own(slice);
+    }
+}
+
+/// Copies the nodes of some slices.
+pub struct Copying<'a> {
+    table: Table<'a>,
+    slices: Range<usize>,
+    margin: usize,
+    columns: Span<'a>,
+}
+
+impl Work for Copying<'_> {
+    fn blocks(&self) -> usize {
+        self.slices.len().div_ceil(SLICES)
+    }
+
+    fn cut(self, at: usize) -> [Self; 2] {
+        let middle = self.slices.start + SLICES * at;
+        let columns = self.columns.cut(self.margin + LANES * middle);
+        let mut slices = [self.slices.start..middle, middle..self.slices.end].into_iter();
+        columns.map(|columns| Self {
+            slices: slices.next().unwrap_or_default(),
+            columns,
+            ..self
+        })
+    }
+}
+
+impl Pass for Copying<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Vector>(self) {
+        if self.table.is_damped() {
+            self.copy::<V, true>();
+        } else {
+            self.copy::<V, false>();
+        }
+    }
+}
+
+impl Copying<'_> {
+    #[inline(always)]
+    fn copy<V: Vector, const DAMPED: bool>(mut self) {
+        let together = self.table.together();
+        for slice in self.slices.clone() {
             for part in 0..LANES / V::LANES {
-                let places = own.columns::<V>(part, Half::First);
-                let velocities = own.columns::<V>(part, Half::Second);
-                self.put::<V, DAMPED>((slice, part), [places, velocities]);
+                let columns = match together.get(slice) {
+                    Some(nodes) => columns::<V, _>(nodes, part),
+                    None => {
+                        let own = self.table.own(slice);
+                        [Half::First, Half::Second].map(|half| own.columns::<V>(part, half))
+                    }
+                };
+                self.put::<V, DAMPED>((slice, part), columns);
             }
         }
     }
@@ -58,7 +108,7 @@ impl Mirror {
         (slice, part): (usize, usize),
         [[x, y, z, _], [u, v, w, _]]: [[V; 4]; 2],
     ) {
-        let first = self.start(slice, 0) + part * V::LANES;
+        let first = self.margin + LANES * slice + part * V::LANES;
         self.columns.put(first, Three::First, [x, y, z]);
         if DAMPED {
             self.columns.put(first, Three::Second, [u, v, w]);

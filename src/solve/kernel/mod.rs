@@ -14,6 +14,7 @@
 
 mod integrate;
 mod limits;
+mod log;
 mod mirror;
 mod order;
 mod pass;
@@ -33,8 +34,12 @@ pub(crate) use rates::rates;
 pub(crate) use sell::Sell;
 pub(crate) use vector::{Half, Pass, Places, Vector, put_four, run};
 
+use super::threads::BLOCK;
 use std::any::Any;
-use vector::Width;
+use vector::{LANES, Width};
+
+/// Slices that are summed together.
+const SLICES: usize = BLOCK / LANES;
 
 /// A value that is generic over the scalar, where the scalar is `f32`, which the kernels are for.
 pub(crate) fn of_f32<T: Any, F: Any>(value: &T) -> Option<&F> {

@@ -1,15 +1,15 @@
 //! The force pass over springs by rows: [`crate::solve::forces`] has the same as a scalar loop.
 
-use super::Kernel;
-use super::limits::Limited;
-use super::mirror::Mirror;
-use super::sell::LEAST_SQUARE;
+use super::limits::{Book, Limited, Outcome};
+use super::sell::{LEAST_SQUARE, Sell};
 use super::table::{End, Free, Rule, Table};
-use super::vector::{Half, LANES, Pass, Runs, Starts, Vector, Width, Writer, put, run};
+use super::vector::{Half, LANES, Pass, Runs, Vector, Width, Writer, put, run};
+use super::{Kernel, SLICES, log};
 use crate::body::state::State;
 use crate::law::spring;
 use crate::solve::forces::{Force, Happened, LimitEvent};
 use crate::solve::springs::{Rows, SpringTable};
+use crate::solve::threads::{self, BLOCK, Work, parts, share};
 
 /// Writes the force of all springs, and of drag D \[N·s/m\], on every node. `None` where the scalar pass is to do it: it is
 /// faster than four lanes, and some bodies have no table.
@@ -30,24 +30,67 @@ pub(crate) fn spring_forces(
     let Rows::Made(sell) = &mut table.rows else {
         return None;
     };
+    let Sell {
+        layout,
+        limits,
+        mirror,
+        sums,
+    } = &mut **sell;
+    let parts = parts(layout.which.len() * LANES / 2);
+    let nodes = Table::of(layout, &state.particles)?;
+    if !mirror.columns.is_empty() {
+        share(mirror.copying(nodes), parts, &|copying| {
+            run(kernel, copying)
+        });
+    }
+    let in_order = nodes.keeps_order();
+    if parts > 1 && !in_order {
+        sums.rows.resize(LANES * layout.slices(), Force::default());
+    }
+    let State { rest, flow, .. } = state;
+    let limited = limits.as_mut().map(|limits| {
+        let book = if parts > 1 {
+            sums.log.prepare(layout, &limits.telling);
+            Book::Log(sums.log.part())
+        } else {
+            Book::State(log::Springs { rest, flow, events })
+        };
+        Limited::new(limits.span(), &table.limits, book, commit)
+    });
     let springs = Springs {
-        out: sell.layout.out.of_mut(forces)?,
-        table: Table::of(&sell.layout, &state.particles)?,
-        mirror: &mut sell.mirror,
-        starts: &sell.layout.starts,
-        limited: sell.limits.as_mut().map(|limits| Limited {
-            limits,
-            table: &table.limits,
-            rest: &mut state.rest,
-            flow: &mut state.flow,
-            events,
-            commit,
-            plastic: [0.0; LANES],
-            fracture: 0.0,
-        }),
+        table: nodes,
+        // There are places in columns for as many as there are.
+        runs: layout.starts.of(&mirror.columns)?,
+        out: match in_order {
+            true => Out::Rows(forces),
+            false if parts > 1 => Out::Rows(&mut sums.rows),
+            false => Out::Places(layout.out.of_mut(forces)?),
+        },
+        limited,
+        outcomes: &mut sums.outcomes,
         drag,
+        first: 0,
     };
-    let happened = run(kernel, springs);
+    share(springs, parts, &|springs| run(kernel, springs));
+    if parts > 1 && !in_order {
+        let (rows, sums) = (&layout.rows, &sums.rows);
+        let values = &mut forces[..rows.len()];
+        share(threads::Nodes { first: 0, values }, parts, &|nodes| {
+            for (force, row) in nodes.values.iter_mut().zip(&rows[nodes.first..]) {
+                *force = sums[*row as usize];
+            }
+        });
+    }
+    let mut happened = Happened::default();
+    for (block, outcome) in sums.outcomes.iter().enumerate() {
+        happened.plastic += outcome.happened.plastic;
+        happened.fracture += outcome.happened.fracture;
+        if outcome.logged > 0 {
+            let mut springs = log::Springs::of(state, events);
+            let entries = sums.log.of_block(block, outcome.logged);
+            entries.iter().for_each(|entry| springs.write(entry));
+        }
+    }
     // As the scalar pass finds them: by springs, and what flows and breaks at once in that order.
     events[old_events..].sort_unstable_by_key(|e| (e.spring, e.broke));
     table.cut_broken(state, &events[old_events..]);
@@ -56,19 +99,94 @@ pub(crate) fn spring_forces(
 
 /// What the pass reads and writes.
 struct Springs<'a> {
-    out: Writer<'a, Force<f32>>,
     table: Table<'a>,
-    mirror: &'a mut Mirror,
-    starts: &'a Starts,
+    runs: Runs<'a>,
+    out: Out<'a>,
     limited: Option<Limited<'a>>,
+    /// Of its blocks, which begin with the `first`.
+    outcomes: &'a mut [Outcome],
+    first: usize,
     drag: f32,
 }
 
+/// Where the forces of rows go.
+enum Out<'a> {
+    /// To rows in the order of slices, from those of the first block on.
+    Rows(&'a mut [Force<f32>]),
+    /// To nodes all over the body, which only the whole of it may do.
+    Places(Writer<'a, Force<f32>>),
+}
+
+impl Work for Springs<'_> {
+    fn blocks(&self) -> usize {
+        let whole = matches!(self.out, Out::Places(_))
+            || matches!(&self.limited, Some(limited) if limited.is_whole());
+        if whole { 1 } else { self.outcomes.len() }
+    }
+
+    fn cut(self, at: usize) -> [Self; 2] {
+        let (outcomes, others) = self.outcomes.split_at_mut(at);
+        let [out, rest] = self.out.cut(at);
+        let slice = SLICES * (self.first + at);
+        let slot = self.table.first_slot(slice);
+        let limited = self.limited.map(|l| l.cut(at, (slice, slot)));
+        let [limited, unlimited] = limited.map_or([None, None], |l| l);
+        let part = |out, limited, outcomes, first| Self {
+            table: self.table,
+            runs: self.runs,
+            out,
+            limited,
+            outcomes,
+            first,
+            drag: self.drag,
+        };
+        [
+            part(out, limited, outcomes, self.first),
+            part(rest, unlimited, others, self.first + at),
+        ]
+    }
+}
+
+impl<'a> Out<'a> {
+    fn cut(self, at: usize) -> [Self; 2] {
+        match self {
+            Self::Rows(rows) => {
+                let (rows, rest) = rows.split_at_mut(BLOCK * at);
+                [Self::Rows(rows), Self::Rows(rest)]
+            }
+            whole => [whole, Self::Rows(&mut [])],
+        }
+    }
+
+    /// Writes to the rows of a part of a slice, which is the so many-th from the first block on.
+    #[inline(always)]
+    fn put<V: Vector>(&mut self, slice: usize, part: usize, columns: [[V; 4]; 2]) {
+        match self {
+            Self::Rows(rows) => {
+                let rows = &mut rows[LANES * slice..];
+                if let Some(rows) = rows.first_chunk_mut() {
+                    put(rows, part, columns);
+                } else {
+                    // The last nodes of a body, which make no slice.
+                    let mut few = [Force::default(); LANES];
+                    put(&mut few, part, columns);
+                    let lanes = rows.iter_mut().zip(&few).skip(part * V::LANES);
+                    lanes.take(V::LANES).for_each(|(row, force)| *row = *force);
+                }
+            }
+            Self::Places(places) => {
+                places.put(slice, part, Half::First, columns[0]);
+                places.put(slice, part, Half::Second, columns[1]);
+            }
+        }
+    }
+}
+
 impl Pass for Springs<'_> {
-    type Output = Happened;
+    type Output = ();
 
     #[inline(always)]
-    fn run<V: Vector>(self) -> Happened {
+    fn run<V: Vector>(self) {
         match (self.limited.is_some(), self.table.is_damped()) {
             (false, false) => self.slices::<V, false, false>(),
             (false, true) => self.slices::<V, false, true>(),
@@ -80,46 +198,40 @@ impl Pass for Springs<'_> {
 
 impl Springs<'_> {
     #[inline(always)]
-    fn slices<V: Vector, const LIMITED: bool, const DAMPED: bool>(self) -> Happened {
+    fn slices<V: Vector, const LIMITED: bool, const DAMPED: bool>(self) {
         let Self {
-            mut out,
             table,
-            mirror,
-            starts,
+            runs,
+            mut out,
             mut limited,
+            outcomes,
+            first,
             drag,
         } = self;
-        if !mirror.columns.is_empty() {
-            mirror.fill::<V, DAMPED>(&table);
-        }
-        // There are places in columns for as many as there are.
-        let Some(runs) = starts.of(&mirror.columns) else {
-            return Happened::default();
-        };
-        for slice in 0..table.slices() {
-            for part in 0..LANES / V::LANES {
-                let nodes = Nodes::of::<DAMPED>(&table, slice, part, drag);
-                let place = (slice, part);
-                let sums = match &mut limited {
-                    Some(limited) if LIMITED => {
-                        limited.add_springs::<V, DAMPED>(&table, &runs, place, nodes)
-                    }
-                    _ => add_free_springs::<V, DAMPED>(&table, &runs, place, nodes),
-                };
-                let lanes = |[x, y, z]: [V; 3]| [x, y, z, V::ZERO];
-                let columns = [lanes(sums.elastic), lanes(sums.damping)];
-                match out.together(LANES * slice) {
-                    Some(rows) if table.keeps_order() && slice < table.together().len() => {
-                        put(rows, part, columns);
-                    }
-                    _ => {
-                        out.put(slice, part, Half::First, columns[0]);
-                        out.put(slice, part, Half::Second, columns[1]);
-                    }
+        for (b, outcome) in outcomes.iter_mut().enumerate() {
+            if LIMITED && let Some(limited) = &mut limited {
+                limited.begin(b);
+            }
+            let slices = SLICES * (first + b)..table.slices().min(SLICES * (first + b + 1));
+            for slice in slices {
+                for part in 0..LANES / V::LANES {
+                    let nodes = Nodes::of::<DAMPED>(&table, slice, part, drag);
+                    let place = (slice, part);
+                    let sums = match &mut limited {
+                        Some(limited) if LIMITED => {
+                            limited.add_springs::<V, DAMPED>(&table, &runs, place, nodes)
+                        }
+                        _ => add_free_springs::<V, DAMPED>(&table, &runs, place, nodes),
+                    };
+                    let lanes = |[x, y, z]: [V; 3]| [x, y, z, V::ZERO];
+                    let columns = [lanes(sums.elastic), lanes(sums.damping)];
+                    out.put(slice - SLICES * first, part, columns);
                 }
             }
+            if LIMITED && let Some(limited) = &limited {
+                *outcome = limited.end(b);
+            }
         }
-        limited.map_or(Happened::default(), |l| l.happened())
     }
 }
 

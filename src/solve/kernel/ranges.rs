@@ -1,5 +1,6 @@
 //! Springs with limits by slots, and in which range of elongation nothing happens to them.
 
+use super::table::BySlot;
 use super::vector::{Half, LANES, Places, Vector, Wide};
 use crate::solve::springs::Limit;
 
@@ -21,6 +22,30 @@ pub struct Limits {
     /// Per slice whether it is regular and no spring of it has ever gone beyond its slack, so that all have the rest lengths of
     /// the constants.
     pub untouched: Vec<bool>,
+}
+
+/// The limits of some slices: what a pass changes of them is its own.
+pub struct Span<'a> {
+    pub springs: &'a Places,
+    pub telling: &'a [u16],
+    pub slacks: &'a [Wide],
+    slots: BySlots<'a>,
+    slices: BySlices<'a>,
+}
+
+/// Of the slots from one on.
+struct BySlots<'a> {
+    first: usize,
+    rest: &'a mut [Wide],
+    flow: &'a mut [Wide],
+    ranges: &'a mut [Range],
+}
+
+/// Of the slices from one on.
+struct BySlices<'a> {
+    first: usize,
+    busy: &'a mut [[bool; 4]],
+    untouched: &'a mut [bool],
 }
 
 /// No spring of a slot flows or breaks while its elongation over its rest length lies between these two; NaN where they are not
@@ -70,6 +95,114 @@ impl Range {
 }
 
 impl Limits {
+    /// All of them.
+    pub fn span(&mut self) -> Span<'_> {
+        Span {
+            springs: &self.springs,
+            telling: &self.telling,
+            slacks: &self.slacks,
+            slots: BySlots {
+                first: 0,
+                rest: &mut self.rest,
+                flow: &mut self.flow,
+                ranges: &mut self.ranges,
+            },
+            slices: BySlices {
+                first: 0,
+                busy: &mut self.busy,
+                untouched: &mut self.untouched,
+            },
+        }
+    }
+}
+
+impl<'a> Span<'a> {
+    /// What lies before a slice and its first slot, and the others.
+    pub fn cut(self, slice: usize, slot: usize) -> [Self; 2] {
+        let (slots, slices) = (self.slots, self.slices);
+        let (rest, rests) = slots.rest.split_at_mut(slot - slots.first);
+        let (flow, flows) = slots.flow.split_at_mut(slot - slots.first);
+        let (range, ranges) = slots.ranges.split_at_mut(slot - slots.first);
+        let (busy, busies) = slices.busy.split_at_mut(slice - slices.first);
+        let (untouched, others) = slices.untouched.split_at_mut(slice - slices.first);
+        let span = |slots, slices| Self {
+            springs: self.springs,
+            telling: self.telling,
+            slacks: self.slacks,
+            slots,
+            slices,
+        };
+        let by_slots = |first, rest, flow, ranges| BySlots {
+            first,
+            rest,
+            flow,
+            ranges,
+        };
+        let by_slices = |first, busy, untouched| BySlices {
+            first,
+            busy,
+            untouched,
+        };
+        [
+            span(
+                by_slots(slots.first, rest, flow, range),
+                by_slices(slices.first, busy, untouched),
+            ),
+            span(
+                by_slots(slot, rests, flows, ranges),
+                by_slices(slice, busies, others),
+            ),
+        ]
+    }
+
+    /// Whether a spring of a part of a slice was out of its range in the last pass.
+    #[inline(always)]
+    pub fn is_busy(&self, slice: usize, part: usize) -> bool {
+        self.slices.busy[slice - self.slices.first][part]
+    }
+
+    #[inline(always)]
+    pub fn set_busy(&mut self, slice: usize, part: usize, busy: bool) {
+        self.slices.busy[slice - self.slices.first][part] = busy;
+    }
+
+    /// Whether a slice is regular and no spring of it has gone beyond its slack.
+    #[inline(always)]
+    pub fn is_untouched(&self, slice: usize) -> bool {
+        self.slices.untouched[slice - self.slices.first]
+    }
+
+    #[inline(always)]
+    pub fn touch(&mut self, slice: usize) {
+        self.slices.untouched[slice - self.slices.first] = false;
+    }
+
+    /// The rule of springs by slots.
+    #[inline(always)]
+    pub fn rule(&self) -> BySlot<'_> {
+        BySlot {
+            first: self.slots.first,
+            rest: self.slots.rest,
+            ranges: self.slots.ranges,
+        }
+    }
+
+    #[inline(always)]
+    pub fn range(&mut self, slot: usize) -> &mut Range {
+        &mut self.slots.ranges[slot - self.slots.first]
+    }
+
+    /// Rest lengths of a slot \[m\].
+    #[inline(always)]
+    pub fn rest(&mut self, slot: usize) -> &mut Wide {
+        &mut self.slots.rest[slot - self.slots.first]
+    }
+
+    /// Accumulated flow of a slot \[m\].
+    #[inline(always)]
+    pub fn flow(&mut self, slot: usize) -> &mut Wide {
+        &mut self.slots.flow[slot - self.slots.first]
+    }
     /// Finds the range of a slot, which lies within what the law allows by more than the law is rounded.
     #[inline(always)]
     pub fn find_range<V: Vector>(&mut self, slot: usize, table: &[Limit<f32>], stiffness: &Wide) {
@@ -83,8 +216,8 @@ impl Limits {
             let [tension, compression, hardening, _] = limits.columns::<V>(part, Half::First);
             let [break_force, break_length, ..] = limits.columns::<V>(part, Half::Second);
             let k = V::load(stiffness, part);
-            let rest = V::load(&self.rest[slot], part);
-            let grown = hardening * V::load(&self.flow[slot], part);
+            let rest = V::load(self.rest(slot), part);
+            let grown = hardening * V::load(self.flow(slot), part);
             // A quotient 0/0 is of a spring without stiffness, which has no limit; `min` and `max` drop it.
             let longest = ((tension + grown).min(break_force) / k).min(break_length - rest);
             most = (longest / rest).min(most);
@@ -105,7 +238,7 @@ impl Limits {
             }
         };
         if positive {
-            self.ranges[slot] = Range {
+            *self.range(slot) = Range {
                 least: range[0] + margin(range[0]),
                 most: range[1] - margin(range[1]),
             };

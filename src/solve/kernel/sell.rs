@@ -13,12 +13,16 @@
 //! them in the state alone would cost two scattered reads per spring and substep; keeping them in the table alone, a
 //! synchronisation before every look from outside. A state changed by other hands than the solver's wants a new table.
 
+use super::SLICES;
+use super::limits::Outcome;
+use super::log::Log;
 use super::mirror::Mirror;
 use super::order::Adjacency;
 use super::ranges::{Limits, Range, slack};
 use super::regular;
 use super::vector::{LANES, Places, Starts, Wide};
 use crate::body::state::State;
+use crate::solve::forces::Force;
 use crate::solve::springs::{Limit, Link};
 use std::collections::HashMap;
 
@@ -37,6 +41,18 @@ pub struct Sell {
     pub(super) limits: Option<Limits>,
     /// Empty where no slice is regular.
     pub(super) mirror: Mirror,
+    pub(super) sums: Sums,
+}
+
+/// What a pass sums, and keeps until all threads are done.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sums {
+    /// Of each block of slices.
+    pub outcomes: Vec<Outcome>,
+    /// Forces by rows, where those are not in the order of nodes. Empty before threads have shared the body.
+    pub rows: Vec<Force<f32>>,
+    /// Empty before threads have shared the body.
+    pub log: Log,
 }
 
 /// What does not change but by breaking.
@@ -62,10 +78,16 @@ pub struct Layout {
     /// Empty where there are limits, which have them by slot, but for regular slices.
     pub(super) rest: Vec<Wide>,
     /// The row of each node.
-    rows: Vec<u32>,
+    pub(super) rows: Vec<u32>,
 }
 
 impl Layout {
+    /// How many slices there are.
+    #[inline(always)]
+    pub fn slices(&self) -> usize {
+        self.firsts.len() - 1
+    }
+
     /// The slots of a slice.
     #[inline(always)]
     pub fn slots(&self, slice: usize) -> std::ops::Range<usize> {
@@ -118,6 +140,7 @@ impl Sell {
                 false => Some(Limits::none(limits.len())?),
             },
             mirror: Mirror::default(),
+            sums: Sums::default(),
         };
         if let Some(steps) = &steps {
             let all = steps.iter().flatten().flatten();
@@ -129,6 +152,8 @@ impl Sell {
             let steps = steps.as_ref().map(|s| s[i].as_deref());
             builder.push_slice(&mut sell, slice, steps);
         }
+        let blocks = sell.layout.slices().div_ceil(SLICES);
+        sell.sums.outcomes = vec![Outcome::default(); blocks];
         Some(sell)
     }
 
@@ -164,7 +189,8 @@ impl Sell {
         let mut rare = l.own.bytes() + l.out.bytes() + size_of_val(&l.rows[..]);
         let regular = !l.regular.is_empty();
         *(if regular { &mut rare } else { &mut hot }) += l.far.bytes();
-        rare += self.mirror.columns.bytes();
+        rare += self.mirror.columns.bytes() + self.sums.log.bytes();
+        rare += size_of_val(&self.sums.outcomes[..]) + size_of_val(&self.sums.rows[..]);
         if let Some(limits) = &self.limits {
             let by_slot = wide(&limits.rest) + size_of_val(&limits.ranges[..]);
             *(if regular { &mut rare } else { &mut hot }) += by_slot;
@@ -204,7 +230,7 @@ impl Builder<'_> {
     /// `steps` is there for bodies with regular slices, and in it something for those slices.
     fn push_slice(&mut self, sell: &mut Sell, nodes: &[u32], steps: Option<Option<&[i32]>>) {
         let layout = &mut sell.layout;
-        let slice = layout.firsts.len() - 1;
+        let slice = layout.slices();
         let node = |lane: usize, otherwise: usize| {
             let node = nodes.get(lane).map(|&n| n as usize);
             node.unwrap_or(otherwise) as u32

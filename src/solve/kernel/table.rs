@@ -64,9 +64,10 @@ impl<V: Vector> Rule<V> for Free<'_> {
     }
 }
 
-/// Springs with limits, by slots.
+/// Springs with limits, by slots from one on.
 #[derive(Clone, Copy)]
 pub struct BySlot<'a> {
+    pub first: usize,
     pub rest: &'a [Wide],
     pub ranges: &'a [Range],
 }
@@ -76,12 +77,12 @@ impl<V: Vector> Rule<V> for BySlot<'_> {
 
     #[inline(always)]
     fn rest(&self, slot: usize, _: usize, part: usize) -> V {
-        V::load(&self.rest[slot], part)
+        V::load(&self.rest[slot - self.first], part)
     }
 
     #[inline(always)]
     fn keep(&self, within: V, elongation: V, rest: V, (slot, ..): (usize, usize, usize)) -> V {
-        self.ranges[slot].keep(within, elongation, rest)
+        self.ranges[slot - self.first].keep(within, elongation, rest)
     }
 }
 
@@ -120,7 +121,12 @@ impl<'a> Table<'a> {
     }
 
     pub fn slices(&self) -> usize {
-        self.layout.firsts.len() - 1
+        self.layout.slices()
+    }
+
+    /// The first slot of a slice, or the end.
+    pub fn first_slot(&self, slice: usize) -> usize {
+        self.layout.firsts[slice] as usize
     }
 
     /// The nodes, sixteen and sixteen, which are slices where rows keep the order of nodes; but for the last few.

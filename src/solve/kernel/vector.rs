@@ -21,7 +21,7 @@ use crate::math::{Pack, Packed};
 
 pub use crate::math::{LANES, Wide};
 pub use rows::{Half, Places, Reader, Slot, Writer, columns, columns_of_four, put, put_four};
-pub use runs::{Columns, Run, Runs, Starts, Three};
+pub use runs::{Columns, Run, Runs, Span, Starts, Three};
 
 /// One, four, eight or sixteen `f32`.
 pub trait Vector: Packed<f32> {

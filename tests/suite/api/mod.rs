@@ -18,5 +18,7 @@ mod sleep;
 mod snapshots;
 mod solids;
 mod state;
+#[cfg(all(feature = "parallel", feature = "scenario"))]
+mod threads;
 mod time;
 mod units;

@@ -91,7 +91,7 @@ fn collisions_of_skins_keep_momentum_and_energy() {
     let mut set = DeformableWorld::new();
     let [a, b] = [(0.0, 0.0), (1.1, 0.15)].map(|(x, y)| {
         let body = soft_ball()
-            .thickness(0.02)
+            .thickness(0.016)
             .translation(Vector::new(x, y, 0.0));
         set.insert(body).unwrap()
     });

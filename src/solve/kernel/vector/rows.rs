@@ -157,12 +157,6 @@ pub struct Writer<'a, R> {
 }
 
 impl<R: Row> Writer<'_, R> {
-    /// Sixteen rows that lie together, from one on; `None` where there are fewer.
-    #[inline(always)]
-    pub fn together(&mut self, first: usize) -> Option<&mut [R; LANES]> {
-        self.rows.get_mut(first..)?.first_chunk_mut()
-    }
-
     /// Writes half of the rows of a part of a slot. Where two lanes have one row the last counts.
     #[inline(always)]
     pub fn put<V: Vector>(&mut self, slot: usize, part: usize, half: Half, columns: [V; 4]) {

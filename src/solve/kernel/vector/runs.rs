@@ -39,11 +39,46 @@ impl Columns {
         size_of_val(&self.numbers[..])
     }
 
+    /// All of it, to be written.
+    pub fn span(&mut self) -> Span<'_> {
+        let mut columns = self.numbers.chunks_exact_mut(self.length.max(1));
+        Span {
+            columns: std::array::from_fn(|_| columns.next().unwrap_or_default()),
+            first: 0,
+        }
+    }
+}
+
+/// Columns to be written, from a place on.
+pub struct Span<'a> {
+    columns: [&'a mut [f32]; 6],
+    first: usize,
+}
+
+impl Span<'_> {
+    /// What lies before a place, and the rest.
+    pub fn cut(self, at: usize) -> [Self; 2] {
+        let mut rest: [&mut [f32]; 6] = Default::default();
+        let mut columns = self.columns;
+        for (column, rest) in columns.iter_mut().zip(&mut rest) {
+            (*column, *rest) = std::mem::take(column).split_at_mut(at - self.first);
+        }
+        let before = Self {
+            columns,
+            first: self.first,
+        };
+        let rest = Self {
+            columns: rest,
+            first: at,
+        };
+        [before, rest]
+    }
+
     /// Writes three columns from a place on.
     #[inline(always)]
     pub fn put<V: Vector>(&mut self, from: usize, which: Three, values: [V; 3]) {
         for (k, value) in values.into_iter().enumerate() {
-            value.store_to(&mut self.numbers[(which as usize + k) * self.length + from..]);
+            value.store_to(&mut self.columns[which as usize + k][from - self.first..]);
         }
     }
 }

@@ -1,0 +1,147 @@
+//! Groups are advanced through a rigid step: one after the other, or all at once where nobody looks at their substeps.
+//!
+//! Nothing that a group changes is seen by another until all are done, and what comes of them is taken in their order. So
+//! results do not depend on threads.
+
+use super::observer::Observer;
+use super::report::{StepReport, note};
+use super::substep::{Group, Settings};
+use super::{Deformable, meet};
+use crate::solve::threads;
+
+/// What the groups of a rigid step have in common.
+#[derive(Clone, Copy)]
+pub(super) struct Advance {
+    /// Simulated time at the start \[s\].
+    pub time: f64,
+    /// The order of rows at the start.
+    pub parity: bool,
+    /// Length of the rigid step \[s\], and of the step of the world that it is a part of.
+    pub dt: f64,
+    pub frame: f64,
+    /// The stable substep is found anew at least this often \[s\].
+    pub review_interval: f64,
+    pub settings: Settings,
+}
+
+/// A group, and what came of it.
+pub(super) struct Moving {
+    pub group: Group,
+    pub report: StepReport,
+    /// Whether it took an odd number of substeps.
+    pub odd: bool,
+}
+
+impl From<Group> for Moving {
+    fn from(group: Group) -> Self {
+        Self {
+            group,
+            report: StepReport::default(),
+            odd: false,
+        }
+    }
+}
+
+impl Advance {
+    /// Advances all groups. Threads are called once, and only for as much as is worth it.
+    pub fn all(&self, groups: &mut [Moving], observer: &mut dyn Observer) {
+        let apart = groups.len() > 1 && !observer.wants_substeps();
+        let springs = groups.iter().map(|g| g.group.springs());
+        let (sum, most) = springs.fold((0, 0), |(sum, most), n| (sum + n, n.max(most)));
+        if apart && threads::is_worth_sharing(FEW_SUBSTEPS * sum) {
+            let mut order: Vec<&mut Moving> = groups.iter_mut().collect();
+            // The longest first, so that no thread is left with one at the end.
+            order.sort_by_key(|g| std::cmp::Reverse(g.group.springs()));
+            threads::each(order, |group| self.one(group, &mut ()));
+            return;
+        }
+        let mut all = || groups.iter_mut().for_each(|g| self.one(g, observer));
+        if threads::is_worth_sharing(most) {
+            threads::within(all);
+        } else {
+            all();
+        }
+    }
+
+    fn one(&self, moving: &mut Moving, observer: &mut dyn Observer) {
+        let Moving { group, report, odd } = moving;
+        let (mut time, mut parity) = (self.time, self.parity);
+        let (mut left, mut last) = (self.dt, None);
+        while left > 0.0 {
+            // The stable substep changes as bodies crumple, so a long rigid step is looked at anew now and then, unless
+            // what is left is a matter of a few substeps.
+            let needed = group_substeps(group, report, left, self.frame);
+            let reviews = (left / self.review_interval - 1e-6).ceil() as usize;
+            let n = needed.div_ceil(reviews.min(needed / 8).max(1));
+            report.add_group(group, n);
+            let h = left / needed as f64;
+            match last {
+                None => group.synchronise(h),
+                Some(last) => group.rows.change_substep(h / last),
+            }
+            last = Some(h);
+            for _ in 0..n {
+                time += h;
+                parity = !parity;
+                if !group.substep(h, time, parity, &self.settings, observer) {
+                    freeze(group, report);
+                    return;
+                }
+            }
+            left = if n < needed { left - n as f64 * h } else { 0.0 };
+        }
+        // What rows did in the last substep, no integration pass has seen yet.
+        if !group.freeze_non_finite() {
+            freeze(group, report);
+        }
+        *odd = parity != self.parity;
+    }
+}
+
+/// A rigid step has hardly fewer substeps.
+const FEW_SUBSTEPS: usize = 4;
+
+/// A tet takes about as long as so many springs.
+const TET: usize = 15;
+
+impl Group {
+    /// How many springs take as long as a substep of it.
+    fn springs(&self) -> usize {
+        let of = |body: &Deformable| {
+            body.spring_count() + TET * body.tet_count() + threads::NODE * body.node_count()
+        };
+        self.members.iter().map(|(_, body)| of(body)).sum()
+    }
+}
+
+fn group_substeps(group: &Group, report: &mut StepReport, dt: f64, frame: f64) -> usize {
+    let mut most = meet::substeps(group, dt).max(1);
+    for (handle, body) in &group.members {
+        let (n, unstable) = body.substeps_for(dt, frame);
+        most = most.max(n);
+        if unstable {
+            note(&mut report.unstable, *handle);
+        }
+    }
+    most
+}
+
+/// Reports the frozen bodies of a group and puts the others back to the start of the rigid step: what they got from a
+/// body that was no longer finite is worthless.
+fn freeze(group: &mut Group, report: &mut StepReport) {
+    for (handle, body) in &mut group.members {
+        if body.frozen {
+            note(&mut report.frozen, *handle);
+        } else {
+            body.go_back();
+        }
+        body.slots.fill(u32::MAX);
+    }
+    group.forget_contacts();
+    for (touched, shadow) in group.touched.iter().zip(&mut group.shadows[1..]) {
+        *shadow = touched.start;
+    }
+    for attachment in &mut group.attachments {
+        attachment.go_back();
+    }
+}
