@@ -99,6 +99,7 @@ pub fn draw(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
         x_label: "time [s]".into(),
         y_label: "elongation [m]".into(),
         series,
+        ..Plot::default()
     }
     .save_png(&folder.join("oscillator.png"))?;
 
@@ -115,6 +116,7 @@ pub fn draw(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
             curve("explicit Euler", grows, Stroke::Bold),
             curve("symplectic Euler", holds, Stroke::Bold),
         ],
+        ..Plot::default()
     }
     .save_png(&folder.join("explosion.png"))?;
     Ok(())

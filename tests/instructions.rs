@@ -10,9 +10,11 @@ use crumple::prelude::*;
 use crumple::rapier3d::prelude::Vector;
 use crumple::scenario::speed::subject::{Subject, shuffled};
 use crumple::shape::{TetSplit, tet_box_of_cells};
+use libtest_mimic::{Arguments, Failed, Trial};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::{Command, ExitCode};
+use std::sync::Arc;
 
 /// The share by which a count may differ.
 const BAND: f64 = 0.05;
@@ -121,6 +123,22 @@ fn obstacle(compiler: &str, recorded: &str) -> Option<String> {
     (compiler != recorded).then(|| format!("counts are of {recorded}, this is {compiler}"))
 }
 
+/// Holds a count against what is written down.
+fn check(case: &Case, counts: &BTreeMap<String, f64>) -> Result<(), Failed> {
+    let found = per_substep(case).ok_or("valgrind counted nothing")?;
+    let count = counts.get(case.name).ok_or("no count is written down")?;
+    let change = found / count - 1.0;
+    if change.abs() <= BAND {
+        return Ok(());
+    }
+    Err(format!(
+        "{found:.0} instructions per substep, {:+.1} %; if that is meant, renew the counts: see {}",
+        100.0 * change,
+        file!()
+    )
+    .into())
+}
+
 fn main() -> ExitCode {
     let asked: Vec<String> = std::env::args().skip(1).collect();
     if let [how, name, substeps] = &asked[..]
@@ -134,28 +152,19 @@ fn main() -> ExitCode {
     if asked.iter().any(|a| a == "--renew") {
         return renew(&compiler).map_or(ExitCode::FAILURE, |()| ExitCode::SUCCESS);
     }
+    let arguments = Arguments::from_args();
     let (recorded, counts) = expected();
-    if let Some(why) = obstacle(&compiler, &recorded) {
+    let obstacle = obstacle(&compiler, &recorded);
+    if let Some(why) = &obstacle
+        && !arguments.list
+    {
         println!("instructions are not counted: {why}");
-        return ExitCode::SUCCESS;
     }
-    let mut sound = true;
-    for case in cases() {
-        let (Some(found), Some(&count)) = (per_substep(&case), counts.get(case.name)) else {
-            println!("{}: no count", case.name);
-            sound = false;
-            continue;
-        };
-        let change = found / count - 1.0;
-        println!("{}: {found:.0}, {:+.1} %", case.name, 100.0 * change);
-        sound &= change.abs() <= BAND;
-    }
-    if sound {
-        return ExitCode::SUCCESS;
-    }
-    println!(
-        "instructions per substep differ by more than 5 %; if that is meant, renew them: see {}",
-        file!()
-    );
-    ExitCode::FAILURE
+    let counts = Arc::new(counts);
+    let trials = cases().into_iter().map(|case| {
+        let counts = counts.clone();
+        let name = format!("instructions::{}", case.name.replace(' ', "_"));
+        Trial::test(name, move || check(&case, &counts)).with_ignored_flag(obstacle.is_some())
+    });
+    libtest_mimic::run(&arguments, trials.collect()).exit_code()
 }

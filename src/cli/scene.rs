@@ -57,6 +57,7 @@ fn draw_probes(outcome: &Outcome, out: &Path) -> Result<(), Failure> {
                 y: series.values.clone(),
                 style: Stroke::Bold,
             }],
+            ..Plot::default()
         };
         plot.save_png(&out.join(format!("probe_{name}.png")))?;
     }

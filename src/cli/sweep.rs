@@ -234,6 +234,7 @@ fn draw(merged: &Merged, out: &Path) -> Result<(), Failure> {
             x_label: along.clone(),
             y_label: check.clone(),
             series,
+            ..Plot::default()
         };
         plot.save_png(&out.join(format!("check_{}.png", i + 1)))?;
     }

@@ -29,6 +29,7 @@ pub fn filtered(
             series("raw", &channel.values, Stroke::Thin),
             series("CFC 60", &smooth.values, Stroke::Bold),
         ],
+        ..Plot::default()
     })
 }
 
@@ -53,5 +54,6 @@ pub fn energies(title: &str, record: &BodyRecord) -> Plot {
                 style: Stroke::Bold,
             })
             .collect(),
+        ..Plot::default()
     }
 }

@@ -60,6 +60,8 @@ pub struct Plot {
     pub y_label: String,
     /// The curves, in the order of their colours and of the legend.
     pub series: Vec<Series>,
+    /// Whether both axes are logarithmic; then all values must be positive.
+    pub logarithmic: bool,
 }
 
 impl Plot {
@@ -144,11 +146,19 @@ impl Plot {
             .with_label_size(19)
             .with_tick_size(16)
             .with_body_size(16);
-        if let Some([low, high]) = range(self.series.iter().flat_map(|s| &s.x), 0.0) {
-            layout = layout.with_x_axis_min(low).with_x_axis_max(high);
-        }
-        if let Some([low, high]) = range(self.series.iter().flat_map(|s| &s.y), 0.05) {
-            layout = layout.with_y_axis_min(low).with_y_axis_max(high);
+        let [x, y] = [
+            range(self.series.iter().flat_map(|s| &s.x), 0.0),
+            range(self.series.iter().flat_map(|s| &s.y), 0.05),
+        ];
+        if self.logarithmic {
+            layout = layout.with_log_scale();
+        } else {
+            if let Some([low, high]) = x {
+                layout = layout.with_x_axis_min(low).with_x_axis_max(high);
+            }
+            if let Some([low, high]) = y {
+                layout = layout.with_y_axis_min(low).with_y_axis_max(high);
+            }
         }
         if legend.is_empty() {
             layout

@@ -24,3 +24,14 @@ mod integrators;
 fn the_integrators_example_holds() {
     integrators::draw(&std::env::temp_dir().join("crumple-integrators")).unwrap();
 }
+
+#[cfg(feature = "cli")]
+#[path = "../../examples/accuracy.rs"]
+#[allow(dead_code, reason = "as above")]
+mod accuracy;
+
+#[cfg(feature = "cli")]
+#[test]
+fn the_accuracy_example_holds() {
+    accuracy::draw(&std::env::temp_dir().join("crumple-accuracy"), &[0.1]).unwrap();
+}

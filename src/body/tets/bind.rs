@@ -8,7 +8,7 @@ use super::{TetMesh, Tets};
 use crate::body::{Binding, BuildError, Skin, Surface};
 use crate::law::basis::edge;
 use crate::math::{DMat3, DVec3, Real, wide};
-use rapier3d::geometry::Aabb;
+use rapier3d::parry::bounding_volume::Aabb;
 use rapier3d::parry::partitioning::{Bvh, BvhBuildStrategy};
 
 /// How far outside of a tet a vertex may be, as its most negative barycentric coordinate: farther out a turn of the tet is
