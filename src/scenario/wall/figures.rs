@@ -8,6 +8,7 @@
 
 use super::super::{Figures, Run, SceneError, car};
 use super::SPEED;
+use crate::math::{DVec3, wide};
 use crate::record::{BodyRecord, Cfc, Interface, NodeSet, Resampled, SignalError};
 use crate::world::Energies;
 use rapier3d::geometry::ColliderHandle;
@@ -134,11 +135,22 @@ pub(super) fn figures(run: &Run) -> Result<Figures, SceneError> {
         "",
     );
     f.add("mass_kg", "mass", record.mass + car::ENGINE_MASS, "kg");
+    let start = super::super::file("wall", &run.options)?;
     let pushed = run.cast.rigid.iter().filter(|(name, body, _)| {
-        let body = body.and_then(|b| run.world.bodies.get(b));
-        name.starts_with("crate") && body.is_some_and(|b| b.linvel().length() > 0.05)
+        let start = start.rigid.iter().find(|r| r.name == *name);
+        let now = body.and_then(|b| run.world.bodies.get(b));
+        let moved = start.zip(now).map(|(start, now)| {
+            let from = DVec3::from_array(start.translation);
+            wide(now.translation()).distance(from)
+        });
+        name.starts_with("crate") && moved.is_some_and(|moved| moved > 0.01)
     });
-    f.add("crates_moving", "crates moving", pushed.count() as f64, "");
+    f.add(
+        "crates_pushed",
+        "crates pushed aside",
+        pushed.count() as f64,
+        "",
+    );
     let depth = |collider| {
         let channel = record.find(Interface::Collider(collider));
         channel.map_or(0.0, |c| c.max_depth)

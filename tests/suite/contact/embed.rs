@@ -90,9 +90,7 @@ fn collisions_of_skins_keep_momentum_and_energy() {
     let (rigid, _) = world.insert(rigid, ColliderBuilder::ball(0.3).mass(20.0).friction(0.5));
     let mut set = DeformableWorld::new();
     let [a, b] = [(0.0, 0.0), (1.1, 0.15)].map(|(x, y)| {
-        let body = soft_ball()
-            .thickness(0.016)
-            .translation(Vector::new(x, y, 0.0));
+        let body = soft_ball().translation(Vector::new(x, y, 0.0));
         set.insert(body).unwrap()
     });
     let momenta = |world: &PhysicsWorld, set: &DeformableWorld| {
