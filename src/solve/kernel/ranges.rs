@@ -203,6 +203,7 @@ impl<'a> Span<'a> {
     pub fn flow(&mut self, slot: usize) -> &mut Wide {
         &mut self.slots.flow[slot - self.slots.first]
     }
+
     /// Finds the range of a slot, which lies within what the law allows by more than the law is rounded.
     #[inline(always)]
     pub fn find_range<V: Vector>(&mut self, slot: usize, table: &[Limit<f32>], stiffness: &Wide) {
