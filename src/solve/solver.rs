@@ -2,7 +2,7 @@
 //!
 //! It advances a [`State`] that it does not own. A substep has three parts: [`Solver::predict`] moves the body freely,
 //! rows may then change velocities through `kick`, and [`Solver::finish`] completes schemes that evaluate the
-//! force at the new position.
+//! force at the new position. What springs have flowed is kept in the order of the kernels until [`Solver::settle`].
 
 use super::external::{External, ForceField};
 use super::fem::Part;
@@ -99,8 +99,22 @@ impl<S: Scalar> Solver<S> {
 
     /// One whole substep of h s without contact.
     pub fn substep(&mut self, state: &mut State<S>, integrator: Integrator, h: f64) {
-        self.predict(state, integrator, h, None);
-        self.finish(state, integrator, h, None);
+        self.substeps(state, integrator, h, 1);
+    }
+
+    /// `n` such substeps; faster than one by one where springs flow.
+    pub fn substeps(&mut self, state: &mut State<S>, integrator: Integrator, h: f64, n: usize) {
+        for _ in 0..n {
+            self.predict(state, integrator, h, None);
+            self.finish(state, integrator, h, None);
+        }
+        self.settle(state);
+    }
+
+    /// Writes rest lengths and flow of springs that have flowed to the state, which has them as of the last time; all else
+    /// is always there.
+    pub fn settle(&mut self, state: &mut State<S>) {
+        self.table.settle(state);
     }
 
     /// Moves the body freely over h s.

@@ -98,11 +98,22 @@ impl<S: Scalar> SpringTable<S> {
             let spring = event.spring as usize;
             state.broken[spring] = true;
             self.cut(spring);
-            if let Some(table) = of_f32_mut::<_, SpringTable<f32>>(self)
+            if let (Some(table), Some(state)) =
+                (of_f32_mut::<_, SpringTable<f32>>(self), of_f32_mut(state))
                 && let Rows::Made(sell) = &mut table.rows
             {
-                sell.cut(spring, &table.links[spring], &table.limits);
+                sell.cut((spring, &table.links[spring]), &table.limits, state);
             }
+        }
+    }
+
+    /// Writes to the state what has flowed, if only the rows have it.
+    pub fn settle(&mut self, state: &mut State<S>) {
+        if let (Some(table), Some(state)) =
+            (of_f32_mut::<_, SpringTable<f32>>(self), of_f32_mut(state))
+            && let Rows::Made(sell) = &mut table.rows
+        {
+            sell.settle(state);
         }
     }
 }
@@ -117,8 +128,9 @@ impl SpringTable<f32> {
     }
 
     /// Forgets the rows, because another pass is about to change the state.
-    pub fn drop_rows(&mut self) {
-        if matches!(self.rows, Rows::Made(_)) {
+    pub fn drop_rows(&mut self, state: &mut State<f32>) {
+        if let Rows::Made(sell) = &mut self.rows {
+            sell.settle(state);
             self.rows = Rows::Later;
         }
     }

@@ -90,6 +90,7 @@ impl Advance {
             }
             left = if n < needed { left - n as f64 * h } else { 0.0 };
         }
+        group.settle();
         // What rows did in the last substep, no integration pass has seen yet.
         if !group.freeze_non_finite() {
             freeze(group, report);

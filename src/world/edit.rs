@@ -13,6 +13,7 @@ impl Deformable {
     /// Books a change made from outside, so that the energy balance stays closed: it is external work.
     pub(super) fn edit<T>(&mut self, change: impl FnOnce(&mut Self) -> T) -> T {
         self.wake_up();
+        self.solver.settle(&mut self.state);
         let before = self.energies().balance();
         self.moved_out.clear();
         let result = change(self);

@@ -151,8 +151,19 @@ impl Group {
         if !self.freeze_broken() {
             return false;
         }
+        if observer.wants_substeps() {
+            self.settle();
+        }
         self.report(h, time, observer);
         true
+    }
+
+    /// Brings the states of all members up to date for whoever may look at them.
+    pub fn settle(&mut self) {
+        for (_, body) in &mut self.members {
+            let Deformable { solver, state, .. } = &mut **body;
+            solver.settle(state);
+        }
     }
 
     /// Contacts and ties at the positions the substep starts from.

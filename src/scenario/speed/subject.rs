@@ -86,10 +86,11 @@ impl Subject {
         Self { solver, state }
     }
 
-    /// Symplectic Euler over [`H`].
+    /// Symplectic Euler over [`H`], one of many substeps.
     pub fn substep(&mut self) {
-        self.solver
-            .substep(&mut self.state, Integrator::SymplecticEuler, H.into());
+        let Self { solver, state } = self;
+        solver.predict(state, Integrator::SymplecticEuler, H.into(), None);
+        solver.finish(state, Integrator::SymplecticEuler, H.into(), None);
     }
 }
 

@@ -3,7 +3,7 @@
 //! A part of a slice is computed as if no spring had any; if then one was out of its range, all is computed again, by a function
 //! of its own that asks the law of plasticity wherever it may matter. So the usual loop has neither a branch nor a call.
 
-use super::log::{self, Entry, Springs};
+use super::log::{self, Entry};
 use super::pass::{Nodes, Trial, add_springs};
 use super::ranges::Span;
 use super::table::{End, Table, Untouched};
@@ -11,7 +11,7 @@ use super::vector::{Aside, Half, LANES, Runs, Slot, Vector, Wide};
 use crate::body::state::Particle;
 use crate::law::plastic::{self, Yield};
 use crate::law::spring;
-use crate::solve::forces::Happened;
+use crate::solve::forces::{Happened, LimitEvent};
 use crate::solve::springs::Limit;
 
 /// What springs at their limits read and write in a pass.
@@ -26,10 +26,10 @@ pub struct Limited<'a> {
     pub fracture: f64,
 }
 
-/// Where it is written what happens to springs.
+/// Where events are written.
 pub enum Book<'a> {
-    /// To the state.
-    State(Springs<'a>),
+    /// To the list of them.
+    Events(&'a mut Vec<LimitEvent<f32>>),
     /// To a log, because other parts of the body are computed at once.
     Log(log::Part<'a>),
 }
@@ -60,9 +60,9 @@ impl<'a> Limited<'a> {
         }
     }
 
-    /// Whether it can't be cut, because it writes to the state.
+    /// Whether it can't be cut, because it writes to the list of events.
     pub fn is_whole(&self) -> bool {
-        matches!(self.book, Book::State(_))
+        matches!(self.book, Book::Events(_))
     }
 
     /// The first so many blocks, that is what lies before a slice and its first slot, and the others.
@@ -92,7 +92,7 @@ impl<'a> Limited<'a> {
                 fracture: self.fracture,
             },
             logged: match &self.book {
-                Book::State(_) => 0,
+                Book::Events(_) => 0,
                 Book::Log(log) => log.count(block),
             },
         }
@@ -188,6 +188,9 @@ impl<V: Vector, const DAMPED: bool> Aside<V> for AtLimits<'_, '_, V, DAMPED> {
             }
         }
         limited.limits.set_busy(slice, part, busy);
+        if busy && limited.commit.is_some() {
+            limited.limits.set_unsaved(slice);
+        }
         nodes
     }
 }
@@ -200,15 +203,14 @@ struct Slots<'a> {
     far: Slot<'a, Particle<f32>>,
 }
 
-/// What the law says of springs to which something happens.
+/// What the law says of springs that break, or flow for the first time.
 struct Answers {
     tension: Wide,
     energy: Wide,
-    work: Wide,
     /// One bit for each lane.
-    flows: u32,
+    yields: u32,
     breaks: u32,
-    /// How many there are.
+    /// How many lanes there are.
     lanes: usize,
 }
 
@@ -251,34 +253,39 @@ impl Limited<'_> {
         };
         let flows = mapped.flow.abs().bits_above(V::ZERO);
         let breaks = mapped.tension.bits_above(break_force) | trial.length.bits_above(break_length);
+        // Both ends of a spring find the same. That of the lower node tells of events; of plastic work each has a half.
+        let telling = u32::from(self.limits.telling[slot]) >> (part * V::LANES);
         if flows != 0 {
             (rest + mapped.flow).store(self.limits.rest(slot), part);
             (flow + mapped.flow.abs()).store(self.limits.flow(slot), part);
             self.limits.range(slot).forget();
+            // The trapezoid, as for every other work: the tension of the last commit follows from the rate.
+            let rate = nodes.rate(trial, &at.far, part);
+            let last = stiffness * (trial.elongation - V::of(h.into()) * rate);
+            let work = wide(plastic::work(last, &mapped));
+            let sums = &mut self.plastic[part * V::LANES..][..V::LANES];
+            for (sum, work) in sums.iter_mut().zip(&work.0) {
+                *sum += 0.5 * f64::from(*work);
+            }
         } else if !self.limits.range(slot).is_known() {
             self.limits
                 .find_range::<V>(slot, self.table, table.stiffness_of(at.which));
         }
-        if flows | breaks == 0 {
-            return (mapped.tension, V::ONE);
-        }
-        // Both ends find the same; that of the lower node tells.
-        let telling = u32::from(self.limits.telling[slot]) >> (part * V::LANES);
-        if (flows | breaks) & telling != 0 {
-            // The trapezoid, as for every other work: the tension of the last commit follows from the rate.
-            let rate = nodes.rate(trial, &at.far, part);
-            let last = stiffness * (trial.elongation - V::of(h.into()) * rate);
-            self.book(
+        let yields = flows & !flow.bits_above(V::ZERO);
+        if (yields | breaks) & telling != 0 {
+            self.tell(
                 at,
                 &Answers {
                     tension: wide(mapped.tension),
                     energy: wide(spring::energy(stiffness, trial.elongation - mapped.flow)),
-                    work: wide(plastic::work(last, &mapped)),
-                    flows: flows & telling,
+                    yields: yields & telling,
                     breaks: breaks & telling,
                     lanes: V::LANES,
                 },
             );
+        }
+        if breaks == 0 {
+            return (mapped.tension, V::ONE);
         }
         let unbroken = |value: V| {
             let held = V::above(trial.length, break_length, V::ZERO, value);
@@ -289,29 +296,26 @@ impl Limited<'_> {
 
     /// Writes down what happened to springs.
     #[inline(always)]
-    fn book(&mut self, at: &Slots, outcome: &Answers) {
-        let mut bits = outcome.flows | outcome.breaks;
+    fn tell(&mut self, at: &Slots, outcome: &Answers) {
+        let mut bits = outcome.yields | outcome.breaks;
         while bits != 0 {
             let l = bits.trailing_zeros() as usize;
             bits &= bits - 1;
-            let lane = at.part * outcome.lanes + l;
             let entry = Entry {
-                spring: self.limits.springs.row(at.slot, lane) as u32,
-                flowed: outcome.flows >> l & 1 == 1,
+                spring: self
+                    .limits
+                    .springs
+                    .row(at.slot, at.part * outcome.lanes + l) as u32,
+                yielded: outcome.yields >> l & 1 == 1,
                 broke: outcome.breaks >> l & 1 == 1,
-                rest: self.limits.rest(at.slot).0[lane],
-                flow: self.limits.flow(at.slot).0[lane],
                 tension: outcome.tension.0[l],
                 energy: outcome.energy.0[l],
             };
-            if entry.flowed {
-                self.plastic[lane] += f64::from(outcome.work.0[l]);
-            }
             if entry.broke {
                 self.fracture += f64::from(entry.energy);
             }
             match &mut self.book {
-                Book::State(springs) => springs.write(&entry),
+                Book::Events(events) => entry.tell(events),
                 Book::Log(log) => log.push(entry),
             }
         }

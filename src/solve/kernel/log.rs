@@ -1,61 +1,34 @@
-//! What happens to springs at their limits, written to the state at once, or kept until all threads are done: springs are not
-//! numbered as rows are, so no part of a body owns the state of its springs.
+//! What happens to springs at their limits for the first and the last time, kept until all threads are done.
 
 use super::SLICES;
 use super::sell::Layout;
-use crate::body::state::State;
 use crate::solve::forces::LimitEvent;
 
 /// What happened to a spring.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Entry {
     pub spring: u32,
-    pub flowed: bool,
+    /// Whether it has flowed for the first time, and whether it broke.
+    pub yielded: bool,
     pub broke: bool,
-    /// Rest length and accumulated flow after it \[m\].
-    pub rest: f32,
-    pub flow: f32,
     /// \[N\].
     pub tension: f32,
     /// \[J\].
     pub energy: f32,
 }
 
-/// What springs have in the state.
-pub struct Springs<'a> {
-    pub rest: &'a mut [f32],
-    pub flow: &'a mut [f32],
-    pub events: &'a mut Vec<LimitEvent<f32>>,
-}
-
-impl<'a> Springs<'a> {
-    pub fn of(state: &'a mut State<f32>, events: &'a mut Vec<LimitEvent<f32>>) -> Self {
-        Self {
-            rest: &mut state.rest,
-            flow: &mut state.flow,
-            events,
-        }
-    }
-
-    /// Writes what happened to one.
-    #[inline(always)]
-    pub fn write(&mut self, entry: &Entry) {
-        let spring = entry.spring as usize;
-        let event = |broke| LimitEvent {
-            spring: entry.spring,
-            broke,
-            tension: entry.tension,
-            energy: entry.energy,
-        };
-        if entry.flowed {
-            if self.flow[spring] == 0.0 {
-                self.events.push(event(false));
+impl Entry {
+    /// The events that it stands for.
+    pub fn tell(&self, events: &mut Vec<LimitEvent<f32>>) {
+        for (happened, broke) in [(self.yielded, false), (self.broke, true)] {
+            if happened {
+                events.push(LimitEvent {
+                    spring: self.spring,
+                    broke,
+                    tension: self.tension,
+                    energy: self.energy,
+                });
             }
-            self.rest[spring] = entry.rest;
-            self.flow[spring] = entry.flow;
-        }
-        if entry.broke {
-            self.events.push(event(true));
         }
     }
 }

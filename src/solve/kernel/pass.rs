@@ -4,7 +4,7 @@ use super::limits::{Book, Limited, Outcome};
 use super::sell::{LEAST_SQUARE, Sell};
 use super::table::{End, Free, Rule, Table};
 use super::vector::{Half, LANES, Pass, Runs, Vector, Width, Writer, put, run};
-use super::{Kernel, SLICES, log};
+use super::{Kernel, SLICES};
 use crate::body::state::State;
 use crate::law::spring;
 use crate::solve::forces::{Force, Happened, LimitEvent};
@@ -22,7 +22,7 @@ pub(crate) fn spring_forces(
     (commit, drag): (Option<f32>, f32),
 ) -> Option<Happened> {
     if Width::of(kernel) == Width::Portable {
-        table.drop_rows();
+        table.drop_rows(state);
         return None;
     }
     let old_events = events.len();
@@ -47,13 +47,12 @@ pub(crate) fn spring_forces(
     if parts > 1 && !in_order {
         sums.rows.resize(LANES * layout.slices(), Force::default());
     }
-    let State { rest, flow, .. } = state;
     let limited = limits.as_mut().map(|limits| {
         let book = if parts > 1 {
             sums.log.prepare(layout, &limits.telling);
             Book::Log(sums.log.part())
         } else {
-            Book::State(log::Springs { rest, flow, events })
+            Book::Events(events)
         };
         Limited::new(limits.span(), &table.limits, book, commit)
     });
@@ -86,9 +85,8 @@ pub(crate) fn spring_forces(
         happened.plastic += outcome.happened.plastic;
         happened.fracture += outcome.happened.fracture;
         if outcome.logged > 0 {
-            let mut springs = log::Springs::of(state, events);
             let entries = sums.log.of_block(block, outcome.logged);
-            entries.iter().for_each(|entry| springs.write(entry));
+            entries.iter().for_each(|entry| entry.tell(events));
         }
     }
     // As the scalar pass finds them: by springs, and what flows and breaks at once in that order.

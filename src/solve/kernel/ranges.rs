@@ -9,7 +9,7 @@ use crate::solve::springs::Limit;
 pub struct Limits {
     /// Which spring; one behind the last for none.
     pub springs: Places,
-    /// Per slot one bit for each lane whose copy of a spring is the one that writes to the state: that of the lower node.
+    /// Per slot one bit for each lane whose copy of a spring is the one that counts: that of the lower node.
     pub telling: Vec<u16>,
     /// Rest length and accumulated flow \[m\].
     pub rest: Vec<Wide>,
@@ -22,6 +22,8 @@ pub struct Limits {
     /// Per slice whether it is regular and no spring of it has ever gone beyond its slack, so that all have the rest lengths of
     /// the constants.
     pub untouched: Vec<bool>,
+    /// Per slice whether the state does not have yet what has flowed.
+    pub unsaved: Vec<bool>,
 }
 
 /// The limits of some slices: what a pass changes of them is its own.
@@ -46,6 +48,7 @@ struct BySlices<'a> {
     first: usize,
     busy: &'a mut [[bool; 4]],
     untouched: &'a mut [bool],
+    unsaved: &'a mut [bool],
 }
 
 /// No spring of a slot flows or breaks while its elongation over its rest length lies between these two; NaN where they are not
@@ -111,6 +114,7 @@ impl Limits {
                 first: 0,
                 busy: &mut self.busy,
                 untouched: &mut self.untouched,
+                unsaved: &mut self.unsaved,
             },
         }
     }
@@ -125,6 +129,7 @@ impl<'a> Span<'a> {
         let (range, ranges) = slots.ranges.split_at_mut(slot - slots.first);
         let (busy, busies) = slices.busy.split_at_mut(slice - slices.first);
         let (untouched, others) = slices.untouched.split_at_mut(slice - slices.first);
+        let (unsaved, rest_unsaved) = slices.unsaved.split_at_mut(slice - slices.first);
         let span = |slots, slices| Self {
             springs: self.springs,
             telling: self.telling,
@@ -138,19 +143,20 @@ impl<'a> Span<'a> {
             flow,
             ranges,
         };
-        let by_slices = |first, busy, untouched| BySlices {
+        let by_slices = |first, busy, untouched, unsaved| BySlices {
             first,
             busy,
             untouched,
+            unsaved,
         };
         [
             span(
                 by_slots(slots.first, rest, flow, range),
-                by_slices(slices.first, busy, untouched),
+                by_slices(slices.first, busy, untouched, unsaved),
             ),
             span(
                 by_slots(slot, rests, flows, ranges),
-                by_slices(slice, busies, others),
+                by_slices(slice, busies, others, rest_unsaved),
             ),
         ]
     }
@@ -175,6 +181,12 @@ impl<'a> Span<'a> {
     #[inline(always)]
     pub fn touch(&mut self, slice: usize) {
         self.slices.untouched[slice - self.slices.first] = false;
+    }
+
+    /// Notes that springs of a slice may have flowed.
+    #[inline(always)]
+    pub fn set_unsaved(&mut self, slice: usize) {
+        self.slices.unsaved[slice - self.slices.first] = true;
     }
 
     /// The rule of springs by slots.

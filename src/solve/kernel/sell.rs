@@ -8,10 +8,9 @@
 //! and has no stiffness.
 //!
 //! Constants lie in tables of distinct slots, so that a regular net streams hardly more than its indices. Rest
-//! length and flow of springs that can flow lie in both copies of a spring, where the pass reads and writes them; the
-//! copy at the first node writes the state as well, in the same pass, so that whoever reads the state finds it as it is. Keeping
-//! them in the state alone would cost two scattered reads per spring and substep; keeping them in the table alone, a
-//! synchronisation before every look from outside. A state changed by other hands than the solver's wants a new table.
+//! length and flow of springs that can flow lie in both copies of a spring, where the pass reads and writes them. The state
+//! gets them once somebody may look at it ([`Sell::settle`]): to write it in every pass costs more than all else that flowing
+//! does, for springs are not numbered as rows are. A state changed by other hands than the solver's wants a new table.
 
 use super::SLICES;
 use super::limits::Outcome;
@@ -157,8 +156,37 @@ impl Sell {
         Some(sell)
     }
 
-    /// Takes all force from a spring that has limits.
-    pub(crate) fn cut(&mut self, spring: usize, link: &Link<f32>, table: &[Limit<f32>]) {
+    /// Writes to the state what has flowed since the last time.
+    pub(crate) fn settle(&mut self, state: &mut State<f32>) {
+        let Some(limits) = &mut self.limits else {
+            return;
+        };
+        let unsaved = limits.unsaved.iter_mut().enumerate();
+        for (slice, unsaved) in unsaved.filter(|(_, unsaved)| **unsaved) {
+            *unsaved = false;
+            for slot in self.layout.slots(slice) {
+                let mut bits = limits.telling[slot];
+                while bits != 0 {
+                    let lane = bits.trailing_zeros() as usize;
+                    bits &= bits - 1;
+                    let spring = limits.springs.row(slot, lane);
+                    // A broken one has been written when it broke.
+                    if let Some(rest) = state.rest.get_mut(spring) {
+                        *rest = limits.rest[slot].0[lane];
+                        state.flow[spring] = limits.flow[slot].0[lane];
+                    }
+                }
+            }
+        }
+    }
+
+    /// Takes all force from a spring that has limits, and writes to the state how it was.
+    pub(crate) fn cut(
+        &mut self,
+        (spring, link): (usize, &Link<f32>),
+        table: &[Limit<f32>],
+        state: &mut State<f32>,
+    ) {
         let Some(limits) = &mut self.limits else {
             return;
         };
@@ -167,6 +195,8 @@ impl Sell {
             let (slice, lane) = (row / LANES, row % LANES);
             for slot in self.layout.slots(slice) {
                 if limits.springs.row(slot, lane) == spring {
+                    state.rest[spring] = limits.rest[slot].0[lane];
+                    state.flow[spring] = limits.flow[slot].0[lane];
                     limits.springs.set(slot, lane, table.len() - 1);
                     limits.flow[slot].0[lane] = 0.0;
                     self.layout.far.set(slot, lane, node as usize);
@@ -284,6 +314,7 @@ impl Builder<'_> {
                 .busy
                 .push([!untouched || first == layout.which.len(); 4]);
             limits.untouched.push(untouched);
+            limits.unsaved.push(false);
         }
     }
 
@@ -356,6 +387,7 @@ impl Limits {
             slacks: Vec::new(),
             busy: Vec::new(),
             untouched: Vec::new(),
+            unsaved: Vec::new(),
         })
     }
 
