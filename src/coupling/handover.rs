@@ -3,10 +3,10 @@
 //!
 //! An impulse J before the step displaces J·dt/m, one after it nothing; a force F held over it s·F·dt²/m. A free body
 //! gets a first part that puts it at the shadow's position, and the rest of the impulse afterwards. A body with rigid
-//! contacts or joints gets it within the step, so that Rapier's own constraints can answer it: a part at the start and the
-//! rest as a force, split so that it ends where its shadow is. (The mean force alone, which does not know when in the step
-//! the impulse came, lets a jointed pair leave a hard impact 3 % too slow.) Where the shadow can't foresee the answer, it
-//! is the mean force, and the answer is measured.
+//! contacts or joints gets it within the step, so that Rapier's own constraints can answer it: a part at the start or at
+//! the end, and the rest as a force, split so that it ends where its shadow is. (The mean force alone, which does not know
+//! when in the step the impulse came, lets a jointed pair leave a hard impact 3 % too slow.) Where the shadow can't foresee
+//! the answer, it is the mean force, and the answer is measured.
 
 use super::linkage::Mobility;
 use super::memory::BodyMemory;
@@ -15,29 +15,26 @@ use crate::math::{DQuat, DVec3, Vector, narrow, wide};
 use crate::solve::shadow::Shadow;
 use rapier3d::dynamics::{IntegrationParameters, RigidBody};
 
-/// What of a body's impulses it gets at the start of Rapier's step; the rest it gets as a force.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Split {
-    /// \[N·s\].
-    pub impulse: DVec3,
-    /// About the centre of mass \[N·m·s\].
-    pub torque: DVec3,
-}
+/// An impulse \[N·s\] and an angular impulse about the centre of mass \[N·m·s\].
+pub type Wrench = (DVec3, DVec3);
 
-impl Split {
-    /// All is given as a force.
-    pub const NONE: Self = Self {
-        impulse: DVec3::ZERO,
-        torque: DVec3::ZERO,
-    };
+/// What of a body's impulses it gets at the start of Rapier's step and at its end; the rest it gets as a force.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Split {
+    /// At the start.
+    pub early: Wrench,
+    /// At the end.
+    pub late: Wrench,
 }
 
 /// What a body still has to get after Rapier's step.
 #[derive(Clone, Copy, Debug)]
 pub struct Pending {
     answer: Answer,
-    /// Impulse and angular impulse given before the step.
-    given: (DVec3, DVec3),
+    /// Given before the step.
+    given: Wrench,
+    /// To be given after it.
+    late: Wrench,
     /// The user's own force and torque, to be restored exactly.
     user: (Vector, Vector),
     /// Velocity before the step, and the change a free body would make.
@@ -55,7 +52,8 @@ impl Pending {
     pub fn nothing() -> Self {
         Self {
             answer: Answer::None,
-            given: (DVec3::ZERO, DVec3::ZERO),
+            given: Default::default(),
+            late: Default::default(),
             user: (Vector::ZERO, Vector::ZERO),
             before: Default::default(),
             free: Default::default(),
@@ -94,19 +92,25 @@ pub fn before_step(
             } else {
                 DVec3::ZERO
             };
-            body.apply_impulse(narrow(impulse), false);
-            body.apply_torque_impulse(narrow(torque), false);
+            give(body, (impulse, torque));
             pending.given = (impulse, torque);
         }
         Answer::Constrained | Answer::Jointed | Answer::Link => {
             pending.free = mobility.answer(end.impulse, end.torque, dt);
-            body.apply_impulse(narrow(split.impulse), false);
-            body.apply_torque_impulse(narrow(split.torque), false);
-            body.add_force(narrow((end.impulse - split.impulse) / dt), false);
-            body.add_torque(narrow((end.torque - split.torque) / dt), false);
+            give(body, split.early);
+            pending.late = split.late;
+            let force = end.impulse - split.early.0 - split.late.0;
+            let torque = end.torque - split.early.1 - split.late.1;
+            body.add_force(narrow(force / dt), false);
+            body.add_torque(narrow(torque / dt), false);
         }
     }
     pending
+}
+
+fn give(body: &mut RigidBody, (impulse, torque): Wrench) {
+    body.apply_impulse(narrow(impulse), false);
+    body.apply_torque_impulse(narrow(torque), false);
 }
 
 /// Momentum for a velocity, axis by axis; 0 along locked axes and for bodies that don't answer at all.
@@ -150,14 +154,18 @@ pub fn after_step(
         // Rapier has put it to sleep in this step and its velocity to zero: it stays that way.
         Answer::Free if body.is_sleeping() => return 0.0,
         Answer::Free => {
-            body.apply_impulse(narrow(end.impulse - pending.given.0), false);
-            body.apply_torque_impulse(narrow(end.torque - pending.given.1), false);
+            let (impulse, torque) = pending.given;
+            give(body, (end.impulse - impulse, end.torque - torque));
         }
         Answer::Constrained | Answer::Jointed | Answer::Link => {
             body.reset_forces(false);
             body.reset_torques(false);
             body.add_force(pending.user.0, false);
             body.add_torque(pending.user.1, false);
+            // Not to one that Rapier has put to sleep in this step.
+            if !body.is_sleeping() {
+                give(body, pending.late);
+            }
             if pending.answer != Answer::Constrained {
                 let (v, w) = pending.before;
                 memory.answer(

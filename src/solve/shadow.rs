@@ -40,6 +40,11 @@ pub struct Shadow {
     pub impulse: DVec3,
     /// Sum of angular impulses about the centre of mass \[N·m·s\].
     pub torque: DVec3,
+    /// Both sums at the end of the last substep.
+    pub received: (DVec3, DVec3),
+    /// Sum over the substeps of √(J·M⁻¹·J), with J what each has added to the sums \[√J\]: what comes and goes back counts
+    /// twice.
+    pub effort: f64,
 }
 
 impl Shadow {
@@ -60,6 +65,8 @@ impl Shadow {
         damping: (0.0, 0.0),
         impulse: DVec3::ZERO,
         torque: DVec3::ZERO,
+        received: (DVec3::ZERO, DVec3::ZERO),
+        effort: 0.0,
     };
 
     /// Takes an impulse and an angular impulse about the centre of mass \[N·s\], \[N·m·s\].
@@ -124,8 +131,19 @@ impl Shadow {
         self.w = (self.w + self.spin_up * h) / (1.0 + h * self.damping.1);
     }
 
+    /// Twice the energy that an impulse and an angular impulse give to the body at rest, its joints left out \[J\].
+    pub fn energy_of(&self, impulse: DVec3, torque: DVec3) -> f64 {
+        let energy = impulse.dot(self.inv_mass * impulse) + torque.dot(self.inv_inertia * torque);
+        energy.max(0.0)
+    }
+
     /// Second half of a substep: position and orientation.
     pub fn advance(&mut self, h: f64) {
+        let (impulse, torque) = self.received;
+        self.effort += self
+            .energy_of(self.impulse - impulse, self.torque - torque)
+            .sqrt();
+        self.received = (self.impulse, self.torque);
         self.com += self.v * h;
         let turn = DQuat::from_scaled_axis(self.w * h);
         self.rot = (turn * self.rot).normalize();

@@ -5,11 +5,15 @@
 //! impulse and a force is known in closed form. Contacts are one-sided, and an early impulse may open them or press them
 //! harder. So Rapier's step is rehearsed with the shadows, which know these contacts and joints, and the split is corrected
 //! by where it would leave each body, as long as that brings it closer to where its shadow is.
+//!
+//! What came late could be an early impulse backwards and all the more force, which moves a free body just so. But a body
+//! that has struck the ground before a node that it holds does must do so in Rapier's step too, and not be turned away from
+//! it before: it gets what came late at the end.
 
 use super::RapierParts;
 use super::group::Touched;
 use super::substep::Group;
-use crate::coupling::handover::Split;
+use crate::coupling::handover::{Split, Wrench};
 use crate::coupling::observe::Answer;
 use crate::math::{DMat3, DVec3};
 use crate::solve::rows::solve_between_shadows;
@@ -31,9 +35,10 @@ type Miss = (DVec3, DVec3);
 /// One body's part in the rehearsals.
 #[derive(Clone, Copy)]
 struct Trial {
-    split: Split,
-    /// The best split so far, and by how much it misses \[kg·m²\].
-    best: (Split, f64),
+    /// By what early impulse a free body would get to its place, forwards or backwards.
+    early: Wrench,
+    /// The best one so far, and by how much it misses \[kg·m²\].
+    best: (Wrench, f64),
     /// The miss before the last correction, and how many times what a free body needs that was.
     last: Option<(Miss, f64)>,
     corrects: bool,
@@ -61,7 +66,7 @@ impl Group {
             if share >= 1.0 || trials.iter().all(|p| !p.corrects) {
                 break;
             }
-            let reached = self.rehearse(&trials, iterations, dt);
+            let reached = self.rehearse(&trials, (iterations, share), dt);
             for ((trial, end), reached) in
                 trials.iter_mut().zip(&self.shadows[1..]).zip(&reached[1..])
             {
@@ -70,23 +75,30 @@ impl Group {
                 }
             }
         }
-        trials.iter().map(|p| p.best.0).collect()
+        let ends = trials.iter().zip(&self.shadows[1..]);
+        ends.map(|(p, end)| split(p.best.0, end, share)).collect()
     }
 
     /// Where the shadows end if they get their impulses as Rapier's bodies will.
-    fn rehearse(&self, trials: &[Trial], iterations: usize, dt: f64) -> Vec<Shadow> {
+    fn rehearse(
+        &self,
+        trials: &[Trial],
+        (iterations, share): (usize, f64),
+        dt: f64,
+    ) -> Vec<Shadow> {
         let h = dt / iterations as f64;
         let mut shadows = vec![Shadow::FIXED];
         for ((touched, end), trial) in self.touched.iter().zip(&self.shadows[1..]).zip(trials) {
             let mut shadow = touched.start;
-            let (early, turn) = (trial.split.impulse, trial.split.torque);
-            shadow.take(early, turn);
+            let Split { early, late } = split(trial.early, end, share);
+            shadow.take(early.0, early.1);
             let mut rest = Shadow {
                 v: DVec3::ZERO,
                 w: DVec3::ZERO,
                 ..shadow
             };
-            rest.take((end.impulse - early) / dt, (end.torque - turn) / dt);
+            let force = (end.impulse - early.0 - late.0) / dt;
+            rest.take(force, (end.torque - early.1 - late.1) / dt);
             shadow.acceleration += rest.v;
             shadow.spin_up += rest.w;
             shadows.push(shadow);
@@ -113,11 +125,28 @@ impl Group {
     }
 }
 
+/// The split that moves a free body as an early impulse would, forwards or backwards, with the rest as a force, which
+/// displaces by the `share` of what an impulse does that is given at the start.
+fn split(early: Wrench, end: &Shadow, share: f64) -> Split {
+    let along = early.0.dot(end.inv_mass * end.impulse) + early.1.dot(end.inv_inertia * end.torque);
+    if along >= 0.0 {
+        return Split {
+            early,
+            ..Split::default()
+        };
+    }
+    let by = -(1.0 - share) / share;
+    Split {
+        late: (early.0 * by, early.1 * by),
+        ..Split::default()
+    }
+}
+
 impl Trial {
     fn new(corrects: bool) -> Self {
         Self {
-            split: Split::NONE,
-            best: (Split::NONE, f64::INFINITY),
+            early: Wrench::default(),
+            best: (Wrench::default(), f64::INFINITY),
             last: None,
             corrects,
         }
@@ -138,11 +167,11 @@ impl Trial {
         );
         let size = by.0.dot(miss.0) + by.1.dot(miss.1);
         if size.is_nan() || size >= self.best.1 {
-            self.split = self.best.0;
+            self.early = self.best.0;
             self.corrects = false;
             return;
         }
-        self.best = (self.split, size);
+        self.best = (self.early, size);
         let inverse = end.inv_mass;
         let response = (inverse.x_axis.x + inverse.y_axis.y + inverse.z_axis.z) / 3.0;
         if size * response <= small * small {
@@ -157,24 +186,90 @@ impl Trial {
         });
         self.last = Some((miss, scale));
         let more = scale / ((1.0 - share) * dt);
-        self.split.impulse += by.0 * more;
-        self.split.torque += by.1 * more;
+        self.early.0 += by.0 * more;
+        self.early.1 += by.1 * more;
         self.limit(end, (share / (1.0 - share)).max(1.0));
     }
 
-    /// No more than `most` times what the body gets: an impulse at the very start of the step asks for itself there, one at
-    /// the very end for −s/(1 − s) of itself. More than that is not about when impulses came, but about a contact that one
-    /// of the two worlds has and the other has not, and would carry the body about without giving it any velocity.
+    /// No more than `most` times what the body gets in all substeps: an impulse at the very start of the step asks for
+    /// itself there, one at the very end for −s/(1 − s) of itself. More than that is not about when impulses came, but about
+    /// a contact that one of the two worlds has and the other has not, and would carry the body about without giving it
+    /// any velocity.
     fn limit(&mut self, end: &Shadow, most: f64) {
-        let energy = |impulse: DVec3, torque: DVec3| {
-            impulse.dot(end.inv_mass * impulse) + torque.dot(end.inv_inertia * torque)
-        };
-        let given = energy(end.impulse, end.torque);
-        let moved = energy(self.split.impulse, self.split.torque);
-        if moved > most * most * given {
-            let by = most * (given / moved).sqrt();
-            self.split.impulse *= by;
-            self.split.torque *= by;
+        let moved = end.energy_of(self.early.0, self.early.1).sqrt();
+        if moved > most * end.effort {
+            let by = most * end.effort / moved;
+            self.early.0 *= by;
+            self.early.1 *= by;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SHARE: f64 = 0.625;
+
+    fn free() -> Shadow {
+        Shadow {
+            inv_mass: DMat3::from_diagonal(DVec3::splat(0.5)),
+            inv_inertia: DMat3::from_diagonal(DVec3::new(1.0, 2.0, 3.0)),
+            impulse: DVec3::new(1.0, -2.0, 0.5),
+            torque: DVec3::new(0.3, 0.0, -0.1),
+            ..Shadow::FIXED
+        }
+    }
+
+    #[test]
+    fn what_is_late_moves_a_free_body_as_an_early_impulse_backwards_would() {
+        let end = free();
+        let early: Wrench = (DVec3::new(0.4, -0.1, 0.0), DVec3::new(0.0, 0.2, 0.1));
+        let back: Wrench = (early.0 * -1.0, early.1 * -1.0);
+        // Displacements in what an impulse at the start does.
+        let moved = |s: Split| {
+            let force = end.impulse - s.early.0 - s.late.0;
+            let torque = end.torque - s.early.1 - s.late.1;
+            (s.early.0 + force * SHARE, s.early.1 + torque * SHARE)
+        };
+        for (given, late) in [(early, false), (back, true)] {
+            let s = split(given, &end, SHARE);
+            assert_eq!(s.early == Wrench::default(), late);
+            assert_eq!(s.late != Wrench::default(), late);
+            let (x, turn) = moved(s);
+            let wanted = end.impulse * SHARE + given.0 * (1.0 - SHARE);
+            assert!((x - wanted).length() < 1e-12);
+            let wanted = end.torque * SHARE + given.1 * (1.0 - SHARE);
+            assert!((turn - wanted).length() < 1e-12);
+        }
+    }
+
+    /// A push and a pull of the same size leave a body without impulse, and elsewhere.
+    #[test]
+    fn a_body_is_moved_by_impulses_that_cancel() {
+        let (h, dt) = (1e-3, 4e-3);
+        let start = Shadow {
+            impulse: DVec3::ZERO,
+            torque: DVec3::ZERO,
+            ..free()
+        };
+        let mut end = start;
+        for push in [2.0, 0.0, 0.0, -2.0] {
+            let push = DVec3::X * push;
+            end.push(DVec3::ZERO, push);
+            end.impulse += push;
+            end.advance(h);
+        }
+        assert_eq!(end.impulse, DVec3::ZERO);
+        let mut trial = Trial::new(true);
+        for _ in 0..ROUNDS {
+            let Split { early, late } = split(trial.early, &end, SHARE);
+            let force = end.impulse - early.0 - late.0;
+            let mut reached = start;
+            reached.com += reached.inv_mass * (early.0 + force * SHARE) * dt;
+            trial.correct(&end, &reached, (SHARE, dt), 1e-9);
+        }
+        assert!(trial.best.1 < 1e-12, "misses by {:.1e}", trial.best.1);
+        assert!((trial.best.0.0.x - 1.5 / (1.0 - SHARE)).abs() < 1e-6);
     }
 }

@@ -1,27 +1,25 @@
 //! The points of a pair.
 
 use super::RigidContact;
-use super::pairs::Pair;
+use super::pairs::{Pair, Side};
 use crate::coupling::observe::Surroundings;
-use crate::math::{DVec3, Pose, wide};
+use crate::math::{DVec3, Pose, Vector, wide};
 use rapier3d::dynamics::CoefficientCombineRule;
 use rapier3d::geometry::{ContactData, ContactManifold, ContactManifoldData, SolverFlags};
 use rapier3d::parry::query::{DefaultQueryDispatcher, PersistentQueryDispatcher};
 
-/// Where the colliders of a pair touch now or nearly so. Where hooks have a say, and where many parts of a composite shape
-/// touch, which Rapier sums up in its own way, it is what the last step found.
-pub fn of(pair: &Pair, around: &Surroundings) -> Vec<RigidContact> {
-    let last = pair.last.filter(|p| p.has_any_active_contact());
-    let many = last.is_some_and(|p| p.manifolds().len() > 1);
-    if pair.hooked || many {
-        return last.map_or_else(Vec::new, |_| remembered(pair, around));
+/// Where the colliders of a pair touch now or nearly so. Where hooks have a say it is what the last step found.
+pub fn of(pair: &Pair, around: &Surroundings, dt: f64) -> Vec<RigidContact> {
+    if pair.hooked {
+        return remembered(pair, around);
     }
-    found_anew(pair, around)
+    found_anew(pair, around, dt)
 }
 
 /// What Rapier has found, where it is now.
 fn remembered(pair: &Pair, around: &Surroundings) -> Vec<RigidContact> {
-    let manifolds = pair.last.map_or(&[][..], |p| p.solver_manifolds()).iter();
+    let last = pair.last.filter(|p| p.has_any_active_contact());
+    let manifolds = last.map_or(&[][..], |p| p.solver_manifolds()).iter();
     let answered = manifolds.filter(|m| {
         let flags = m.data.solver_flags;
         flags.contains(SolverFlags::COMPUTE_RIGID_IMPULSES)
@@ -43,21 +41,24 @@ fn remembered(pair: &Pair, around: &Surroundings) -> Vec<RigidContact> {
     contacts.collect()
 }
 
-/// What Rapier is about to find.
-fn found_anew(pair: &Pair, around: &Surroundings) -> Vec<RigidContact> {
+/// What Rapier is about to find. Of composite shapes it merges the parts' points by their normals before it solves
+/// them; as constraints they are the same.
+fn found_anew(pair: &Pair, around: &Surroundings, dt: f64) -> Vec<RigidContact> {
     let [first, second] = &pair.sides;
-    // What it remembers of the points tells how hard they were pressed.
-    let mut manifolds: Vec<ContactManifold> =
-        pair.last.map_or_else(Vec::new, |p| p.manifolds().to_vec());
     let skins = [first, second].map(|s| s.collider.contact_skin());
-    let prediction = around.parameters.prediction_distance() + skins[0] + skins[1];
+    let near = around.parameters.prediction_distance();
     let relative = first.pose.inv_mul(&second.pose);
+    // What Rapier remembers of simple shapes; of composite ones it makes sense with a private map alone.
+    let is_simple = |s: &Side| s.collider.shape().as_composite_shape().is_none();
+    let last = pair.last.filter(|_| pair.sides.iter().all(is_simple));
+    let mut manifolds: Vec<ContactManifold> =
+        last.map_or_else(Vec::new, |p| p.manifolds().to_vec());
     let found = PersistentQueryDispatcher::<ContactManifoldData, ContactData>::contact_manifolds(
         &DefaultQueryDispatcher,
         &relative,
         first.collider.shape(),
         second.collider.shape(),
-        prediction,
+        near + skins[0] + skins[1],
         &mut manifolds,
         &mut None,
     );
@@ -71,19 +72,54 @@ fn found_anew(pair: &Pair, around: &Surroundings) -> Vec<RigidContact> {
             at(manifold.subshape_pos1(), &first.pose),
             at(manifold.subshape_pos2(), &second.pose),
         ];
-        let normal = wide(poses[0].rotation * manifold.local_n1);
-        let near = manifold.points.iter().filter(|p| p.dist < prediction);
-        contacts.extend(near.map(|p| RigidContact {
-            points: [
-                wide(poses[0] * p.local_p1) + normal * f64::from(skins[0]),
-                wide(poses[1] * p.local_p2) - normal * f64::from(skins[1]),
-            ],
-            normal,
-            impulse: p.data.impulse.into(),
-            ..contact(pair)
-        }));
+        let normal = poses[0].rotation * manifold.local_n1;
+        for p in &manifold.points {
+            let [a, b] = [poses[0] * p.local_p1, poses[1] * p.local_p2];
+            let gap = p.dist - skins[0] - skins[1];
+            // A corner that is farther but will be there within the step, as Rapier has it.
+            let closing = (velocity_at(second, b) - velocity_at(first, a)).dot(normal);
+            if gap.min(gap + closing * dt as f32) < near {
+                contacts.push(RigidContact {
+                    points: [
+                        wide(a) + wide(normal) * f64::from(skins[0]),
+                        wide(b) - wide(normal) * f64::from(skins[1]),
+                    ],
+                    normal: wide(normal),
+                    impulse: p.data.impulse.into(),
+                    ..contact(pair)
+                });
+            }
+        }
+    }
+    if contacts.iter().all(|c| c.impulse == 0.0) {
+        recall_impulses(pair, near + skins[0], &mut contacts);
     }
     contacts
+}
+
+fn velocity_at(side: &Side, point: Vector) -> Vector {
+    side.body
+        .map_or(Vector::ZERO, |(_, b)| b.velocity_at_point(point))
+}
+
+/// Gives contacts of composite shapes the impulses of the points of Rapier's last step that are nearest to them, within
+/// `reach`: each impulse to one contact.
+fn recall_impulses(pair: &Pair, reach: f32, contacts: &mut [RigidContact]) {
+    let solved = pair.last.map_or(&[][..], |p| p.solver_manifolds());
+    for manifold in solved {
+        for p in manifold.points.iter().filter(|p| p.data.impulse > 0.0) {
+            let at = manifold
+                .subshape_pos1()
+                .map_or(p.local_p1, |part| part * p.local_p1);
+            let at = wide(pair.sides[0].pose * at);
+            let free = contacts.iter_mut().filter(|c| c.impulse == 0.0);
+            let distance = |c: &RigidContact| c.points[0].distance_squared(at);
+            let nearest = free.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            if let Some(c) = nearest.filter(|c| distance(c) < f64::from(reach).powi(2)) {
+                c.impulse = p.data.impulse.into();
+            }
+        }
+    }
 }
 
 /// What all points of a pair have in common.

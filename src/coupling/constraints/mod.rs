@@ -79,7 +79,7 @@ impl RigidConstraints {
                 if !pairs.insert(pair.key()) {
                     continue;
                 }
-                for contact in contacts::of(&pair, around) {
+                for contact in contacts::of(&pair, around, dt) {
                     found.add_contact(contact);
                 }
                 others.extend(pair.bodies().into_iter().flatten());

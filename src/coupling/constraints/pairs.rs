@@ -4,6 +4,7 @@ use crate::coupling::observe::Surroundings;
 use crate::math::Pose;
 use rapier3d::dynamics::{RigidBody, RigidBodyHandle, RigidBodyType};
 use rapier3d::geometry::{Collider, ColliderHandle, ContactPair};
+use rapier3d::parry::bounding_volume::BoundingVolume;
 use rapier3d::parry::query::DefaultQueryDispatcher;
 use rapier3d::pipeline::{ActiveHooks, QueryFilter};
 
@@ -106,6 +107,13 @@ fn pair<'a>(own: Side<'a>, other: Side<'a>, around: &Surroundings<'a>) -> Option
     let kind = |s: &Side| s.body.map_or(RigidBodyType::Fixed, |(_, b)| b.body_type());
     let kinds = [kind(&own), kind(&other)];
     let meets = |c: &Collider| c.active_collision_types().test(kinds[0], kinds[1]);
+    // Rapier looks at the pairs that it has, and takes up those whose boxes meet.
+    let margin = 0.5 * around.parameters.prediction_distance();
+    let bounds = |s: &Side| {
+        let bounds = s.collider.shape().compute_aabb(&s.pose);
+        bounds.loosened(margin + s.collider.contact_skin())
+    };
+    let near = || last.is_some() || bounds(&own).intersects(&bounds(&other));
     let allowed = other.collider.is_enabled()
         && !(a.is_sensor() || b.is_sensor())
         && other
@@ -116,7 +124,8 @@ fn pair<'a>(own: Side<'a>, other: Side<'a>, around: &Surroundings<'a>) -> Option
         && (meets(a) || meets(b))
         && a.collision_groups().test(b.collision_groups())
         && a.solver_groups().test(b.solver_groups())
-        && joints_allow(&own, &other, around);
+        && joints_allow(&own, &other, around)
+        && near();
     allowed.then_some(Pair {
         sides,
         last,

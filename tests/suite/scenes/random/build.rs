@@ -21,8 +21,6 @@ pub struct Scenery {
     pub ground: ColliderHandle,
     pub mover: (RigidBodyHandle, ColliderHandle),
     pub held_by_mover: Vec<AttachmentHandle>,
-    /// Attachments to what no deformable can move.
-    pub held_steadily: Vec<AttachmentHandle>,
     pub about: String,
 }
 
@@ -272,7 +270,7 @@ pub fn scene(seed: u64) -> Scenery {
         world.impulse_joints.insert(hard[0], hard[1], joint, true);
         writeln!(about, "  joint between the first two rigid bodies").unwrap();
     }
-    let (mut held_by_mover, mut held_steadily) = (Vec::new(), Vec::new());
+    let mut held_by_mover = Vec::new();
     let (kind, first) = (dice.below(6), yielding[0]);
     let target = match kind {
         0 => Some(AttachTo::World),
@@ -293,9 +291,6 @@ pub fn scene(seed: u64) -> Scenery {
         if kind == 2 {
             held_by_mover.push(held);
         }
-        if kind != 1 {
-            held_steadily.push(held);
-        }
     }
     Scenery {
         world,
@@ -303,7 +298,6 @@ pub fn scene(seed: u64) -> Scenery {
         ground,
         mover,
         held_by_mover,
-        held_steadily,
         about,
     }
 }
