@@ -320,9 +320,7 @@ fn fits(body: &Deformable, node: &Node, d: &mut Decoder) -> Option<()> {
         None if !tets && body.solid.is_some() => {
             "bodies of springs have a `material` instead of a `solid`".into()
         }
-        None if !tets && body.embed.is_some() => {
-            "only bodies of tets can `embed` a surface".into()
-        }
+        None if !tets && body.embed.is_some() => "only bodies of tets can `embed` a surface".into(),
         None if body.springs.is_some() && (tets || net || body.material.is_some()) => {
             "only bodies of springs by sections have `springs`, instead of a `material`".into()
         }
