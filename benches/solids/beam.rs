@@ -30,6 +30,8 @@ pub fn rapier(cell: f32, solver: SoftBodySolver, linear: usize, frames: usize) -
         })
         .solver(solver)
         .mass(8.0)
+        // Twice the first angular frequency, so that it comes to rest without swinging.
+        .linear_damping(35.0)
         .can_sleep(false);
     let ends = |side: f32| -> Vec<u32> {
         let places = (0..).zip(builder.particle_positions());
