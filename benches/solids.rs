@@ -1,24 +1,50 @@
-//! Blocks of tets in contact side by side with Rapier's own: the block of 10³ nodes (1 m, 100 kg, dropped 1 m) in the same
-//! tets with the same E and ν, and rubber bodies of 5,000 tets. One run, engines in turn, median over runs.
+//! Solids of tets side by side with Rapier's own, engines in turn in one run, median over runs: blocks of 10³ and 20³ nodes
+//! (1 m, 100 kg) in the same tets with the same E and ν, dropped 1 m or thrown at the floor from just above it; rubber bodies
+//! of 5,000 tets; and a cantilever, with the error of its deflection.
 //!
-//! `cargo bench --bench solids --features native-fem` prints a CSV: milliseconds per frame of 1/60 s, largest strain of
-//! any edge, and for ours tets × substeps per second.
+//! `cargo bench --bench solids --features native-fem` prints a CSV. What takes longer than 20 s is run once. With words behind
+//! `--`, only cases that have them in their names.
+
+#[path = "solids/beam.rs"]
+mod beam;
+#[path = "solids/outcome.rs"]
+mod outcome;
 
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
 use crumple::shape::{TetSplit, tet_box_of_cells};
+use outcome::{Clock, Outcome};
 use std::time::Instant;
 
-const NODES: u32 = 10;
 const MASS: f32 = 100.0;
 const POISSON: f64 = 0.3;
 const RUNS: usize = 3;
+/// Seconds.
+const LONG: f64 = 20.0;
 
-struct Outcome {
-    ms_per_frame: f64,
-    max_strain: f64,
-    tets_per_second: f64,
+/// How a block comes to the floor.
+#[derive(Clone, Copy)]
+struct Fall {
+    /// Of its lower side \[m\].
+    height: f32,
+    /// Downwards \[m/s\].
+    speed: f32,
+    frames: usize,
 }
+
+/// Two seconds, some of them in the air.
+const DROP: Fall = Fall {
+    height: 1.0,
+    speed: 0.0,
+    frames: 120,
+};
+
+/// As fast as it is after 1 m, until it is off the floor again.
+const IMPACT: Fall = Fall {
+    height: 1e-3,
+    speed: 4.43,
+    frames: 6,
+};
 
 fn floor() -> PhysicsWorld {
     let mut world = PhysicsWorld::default();
@@ -29,43 +55,41 @@ fn floor() -> PhysicsWorld {
     world
 }
 
-/// A block of `side` m of `cells`³·6 tets dropped 1 m; two seconds.
-fn ours(solid: Solid, side: f32, cells: u32, quadratic: bool) -> Outcome {
+/// A box of `cells` in tets of one kind.
+fn mesh(size: Vector, cells: [u32; 3], quadratic: bool) -> TetMesh {
+    let mesh = tet_box_of_cells(size, cells, TetSplit::Six).expect("a box");
+    if quadratic { mesh.quadratic() } else { mesh }
+}
+
+/// A block of `side` m of `cells`³·6 tets.
+fn ours(solid: Solid, side: f32, cells: u32, quadratic: bool, fall: Fall) -> Outcome {
     let mut world = floor();
-    let mut mesh = tet_box_of_cells(Vector::splat(side), [cells; 3], TetSplit::Six).expect("a box");
-    if quadratic {
-        mesh = mesh.quadratic();
-    }
+    let mesh = mesh(Vector::splat(side), [cells; 3], quadratic);
     let mut deformables = DeformableWorld::default();
-    let at = Vector::new(0.0, 1.0 + 0.5 * side, 0.0);
-    let body = deformables
-        .insert(DeformableBuilder::tets(mesh, solid).translation(at))
-        .expect("stable");
-    let (mut spent, mut updates, mut max_strain) = (0.0, 0, 0.0_f64);
-    let frames = 120;
-    for _ in 0..frames {
+    let builder = DeformableBuilder::tets(mesh, solid)
+        .translation(Vector::new(0.0, fall.height + 0.5 * side, 0.0))
+        .linvel(Vector::new(0.0, -fall.speed, 0.0));
+    let body = deformables.insert(builder).expect("stable");
+    let (mut clock, mut updates) = (Clock::new(f64::from(-fall.speed)), 0);
+    for _ in 0..fall.frames {
         let start = Instant::now();
         deformables.step(&mut world);
-        spent += start.elapsed().as_secs_f64();
+        let seconds = start.elapsed().as_secs_f64();
+        let body = &deformables[body];
+        clock.frame(seconds, body.momentum().y / body.mass(), body.max_strain());
         updates += deformables.report().tet_updates;
-        max_strain = max_strain.max(deformables[body].max_strain());
     }
     Outcome {
-        ms_per_frame: 1e3 * spent / f64::from(frames),
-        max_strain,
-        tets_per_second: updates as f64 / spent,
+        tets_per_second: updates as f64 / clock.seconds(),
+        ..clock.outcome()
     }
 }
 
-/// The block of 10³ nodes and 100 kg.
-fn block(young: f64, law: SolidLaw) -> Outcome {
+/// The block of `nodes`³ nodes and 100 kg.
+fn block(young: f64, law: SolidLaw, nodes: u32, fall: Fall) -> Outcome {
     let solid = Solid::new(young, POISSON, f64::from(MASS)).law(law);
-    ours(
-        solid.damping(0.0, damping_time(young)),
-        1.0,
-        NODES - 1,
-        false,
-    )
+    let solid = solid.damping(0.0, damping_time(young));
+    ours(solid, 1.0, nodes - 1, false, fall)
 }
 
 /// A loss factor of 2 % at the first mode of the block, as in the bench `peers`.
@@ -73,10 +97,11 @@ fn damping_time(young: f64) -> f64 {
     0.02 / (young / f64::from(MASS)).sqrt()
 }
 
-fn rapier(young: f64, solver: SoftBodySolver, frames: usize) -> Outcome {
+/// The same block as Rapier's.
+fn rapier(young: f64, solver: SoftBodySolver, n: usize, fall: Fall) -> Outcome {
     let mut world = floor();
-    let n = NODES as usize;
-    let builder = SoftBodyBuilder::cuboid(Vector::new(0.0, 1.5, 0.0), Vector::splat(0.5), n, n, n)
+    let at = Vector::new(0.0, fall.height + 0.5, 0.0);
+    let builder = SoftBodyBuilder::cuboid(at, Vector::splat(0.5), n, n, n)
         .cell_model(SoftBodyCellModel::Corotational)
         .material(SoftBodyMaterial {
             young_modulus: young as f32,
@@ -88,103 +113,151 @@ fn rapier(young: f64, solver: SoftBodySolver, frames: usize) -> Outcome {
         .mass(MASS)
         .can_sleep(false);
     let edges = builder.cell_edges();
-    let rest: Vec<f32> = {
-        let x = builder.particle_positions();
-        let length = |[a, b]: &[u32; 2]| x[*a as usize].distance(x[*b as usize]);
-        edges.iter().map(length).collect()
+    let length = |x: &dyn Fn(usize) -> Vector, [a, b]: [u32; 2]| {
+        f64::from(x(a as usize).distance(x(b as usize)))
     };
+    let places = builder.particle_positions().to_vec();
+    let rest: Vec<f64> = edges.iter().map(|e| length(&|i| places[i], *e)).collect();
     let handle = world.insert_soft_body(builder);
-    let (mut spent, mut max_strain) = (0.0, 0.0_f64);
-    for _ in 0..frames {
+    for i in 0..places.len() {
+        let v = Vector::new(0.0, -fall.speed, 0.0);
+        world.soft_bodies[handle].set_particle_velocity(i, v);
+    }
+    let mut clock = Clock::new(f64::from(-fall.speed));
+    for _ in 0..fall.frames {
         let start = Instant::now();
         world.step();
-        spent += start.elapsed().as_secs_f64();
+        let seconds = start.elapsed().as_secs_f64();
         let body = &world.soft_bodies[handle];
-        for ([a, b], rest) in edges.iter().zip(&rest) {
-            let length = body
-                .particle_position(*a as usize)
-                .distance(body.particle_position(*b as usize));
-            max_strain = max_strain.max(f64::from((length / rest - 1.0).abs()));
-        }
+        let momenta = body.particles().iter().map(|p| p.mass() * p.velocity().y);
+        let momentum: f64 = momenta.map(f64::from).sum();
+        let now = |i: usize| body.particle_position(i);
+        let strains = edges.iter().zip(&rest);
+        let strains = strains.map(|(e, rest)| (length(&now, *e) / rest - 1.0).abs());
+        let strain = strains.fold(0.0, f64::max);
+        clock.frame(seconds, momentum / f64::from(MASS), strain);
     }
+    clock.outcome()
+}
+
+/// A deflection and its time.
+fn bent((tip, ms): (f64, f64)) -> Outcome {
     Outcome {
-        ms_per_frame: 1e3 * spent / frames as f64,
-        max_strain,
-        tets_per_second: 0.0,
+        error_percent: 100.0 * (tip / beam::THEORY - 1.0).abs(),
+        ..Outcome::of(ms)
     }
 }
 
-fn main() {
+/// Frames in which a beam comes to rest.
+const BEND: usize = 120;
+
+/// The beam of [`beam::rapier`].
+fn our_beam(cells: [u32; 3], quadratic: bool) -> Outcome {
+    let mesh = mesh(Vector::new(2.0, 0.2, 0.2), cells, quadratic);
+    let tip = (0..).zip(&mesh.nodes).filter(|(_, x)| x.x > 0.9999);
+    let tip: Vec<NodeId> = tip.map(|(n, _)| NodeId(n)).collect();
+    // Twice the first angular frequency, as in the scene.
+    let solid = Solid::new(1.2e7, 0.0, 100.0).damping(35.0, 0.0);
+    let mut deformables = DeformableWorld::default();
+    let builder = DeformableBuilder::tets(mesh, solid).pin(|x| x.x < -0.9999);
+    let body = deformables.insert(builder).expect("stable");
+    let height = |d: &DeformableWorld| {
+        let each = tip.iter().filter_map(|n| d[body].position(*n));
+        each.map(|x| x.y).sum::<f64>() / tip.len() as f64
+    };
+    let (mut world, before) = (PhysicsWorld::default(), height(&deformables));
+    let start = Instant::now();
+    for _ in 0..BEND {
+        deformables.step(&mut world);
+    }
+    let ms = 1e3 * start.elapsed().as_secs_f64() / BEND as f64;
+    bent((before - height(&deformables), ms))
+}
+
+type Case = (String, Box<dyn Fn() -> Outcome>);
+
+fn cases() -> Vec<Case> {
+    use SoftBodySolver::{Constraints, Fem};
     use SolidLaw::{Corotational, StableNeoHookean};
+    let mut cases: Vec<Case> = Vec::new();
+    let mut case = |name: String, run: Box<dyn Fn() -> Outcome>| cases.push((name, run));
+    for (what, n, fall) in [
+        ("drop", 10, DROP),
+        ("impact", 10, IMPACT),
+        ("impact", 20, IMPACT),
+    ] {
+        let name = |of: &str| format!("{what} {n}^3 {of}");
+        let undamped = Solid::new(0.2e6, POISSON, f64::from(MASS)).law(StableNeoHookean);
+        for (law, name_of) in [
+            (Corotational, "corotational"),
+            (StableNeoHookean, "stable neo-Hookean"),
+        ] {
+            let run = Box::new(move || block(0.2e6, law, n, fall));
+            case(name(&format!("crumple {name_of} 0.2 MPa")), run);
+        }
+        case(
+            name("crumple stable neo-Hookean 0.2 MPa undamped"),
+            Box::new(move || ours(undamped, 1.0, n - 1, false, fall)),
+        );
+        case(
+            name("rapier constraints 0.2 MPa"),
+            Box::new(move || rapier(0.2e6, Constraints, n as usize, fall)),
+        );
+        let frames = fall.frames.min(60);
+        case(
+            name("rapier FEM 0.2 MPa"),
+            Box::new(move || rapier(0.2e6, Fem, n as usize, Fall { frames, ..fall })),
+        );
+    }
     let rubber = |young| Solid::new(young, 0.45, 1000.0).law(StableNeoHookean);
-    type Case = (&'static str, Box<dyn Fn() -> Outcome>);
-    let cases: [Case; 12] = [
-        (
-            "crumple corotational 0.2 MPa",
-            Box::new(|| block(0.2e6, Corotational)),
-        ),
-        (
-            "crumple corotational 1 MPa",
-            Box::new(|| block(1e6, Corotational)),
-        ),
-        (
-            "crumple stable neo-Hookean 0.2 MPa",
-            Box::new(|| block(0.2e6, StableNeoHookean)),
-        ),
-        (
-            "crumple stable neo-Hookean 1 MPa",
-            Box::new(|| block(1e6, StableNeoHookean)),
-        ),
-        (
-            "crumple stable neo-Hookean 0.2 MPa undamped",
-            Box::new(|| {
-                let solid = Solid::new(0.2e6, POISSON, f64::from(MASS));
-                ours(solid.law(StableNeoHookean), 1.0, NODES - 1, false)
-            }),
-        ),
-        (
-            "rapier constraints 0.2 MPa",
-            Box::new(|| rapier(0.2e6, SoftBodySolver::Constraints, 120)),
-        ),
-        (
-            "rapier constraints 1 MPa",
-            Box::new(|| rapier(1e6, SoftBodySolver::Constraints, 120)),
-        ),
-        (
-            "rapier FEM 0.2 MPa",
-            Box::new(|| rapier(0.2e6, SoftBodySolver::Fem, 60)),
-        ),
-        (
-            "rubber 1 m 6000 tets 1 MPa",
-            Box::new(move || ours(rubber(1e6), 1.0, 10, false)),
-        ),
-        (
-            "rubber 1 m 4374 tets 2 MPa",
-            Box::new(move || ours(rubber(2e6), 1.0, 9, false)),
-        ),
-        (
-            "rubber 0.5 m 4374 tets 1 MPa",
-            Box::new(move || ours(rubber(1e6), 0.5, 9, false)),
-        ),
-        (
-            "rubber 1 m 750 quadratic tets 1 MPa",
-            Box::new(move || ours(rubber(1e6), 1.0, 5, true)),
-        ),
-    ];
+    for (name, young, side, cells, quadratic) in [
+        ("rubber 1 m 6000 tets 1 MPa", 1e6, 1.0, 10, false),
+        ("rubber 1 m 4374 tets 2 MPa", 2e6, 1.0, 9, false),
+        ("rubber 0.5 m 4374 tets 1 MPa", 1e6, 0.5, 9, false),
+        ("rubber 1 m 750 quadratic tets 1 MPa", 1e6, 1.0, 5, true),
+    ] {
+        let run = move || ours(rubber(young), side, cells, quadratic, DROP);
+        case(name.into(), Box::new(run));
+    }
+    for (name, cells, quadratic) in [
+        ("60 quadratic tets 189 nodes", [10, 1, 1], true),
+        ("480 linear tets 189 nodes", [20, 2, 2], false),
+    ] {
+        let run = move || our_beam(cells, quadratic);
+        case(format!("cantilever crumple {name}"), Box::new(run));
+    }
+    for (name, cell, solver, iterations) in [
+        ("constraints 189 nodes", 0.1, Constraints, 20),
+        ("FEM 189 nodes", 0.1, Fem, 20),
+        ("FEM 189 nodes 1000 iterations", 0.1, Fem, 1000),
+        ("FEM 1025 nodes", 0.05, Fem, 20),
+        ("FEM 1025 nodes 1000 iterations", 0.05, Fem, 1000),
+    ] {
+        let run = move || bent(beam::rapier(cell, solver, iterations, BEND));
+        case(format!("cantilever rapier {name}"), Box::new(run));
+    }
+    cases
+}
+
+fn main() {
+    let words = std::env::args().skip(1).filter(|a| !a.starts_with('-'));
+    let words: Vec<String> = words.collect();
+    let mut cases = cases();
+    cases.retain(|(name, _)| words.iter().all(|w| name.contains(w.as_str())));
     let mut outcomes: Vec<Vec<Outcome>> = cases.iter().map(|_| Vec::new()).collect();
+    let mut long = vec![false; cases.len()];
     for _ in 0..RUNS {
-        for ((_, run), outcomes) in cases.iter().zip(&mut outcomes) {
-            outcomes.push(run());
+        for (i, (_, run)) in cases.iter().enumerate() {
+            if !long[i] {
+                let start = Instant::now();
+                outcomes[i].push(run());
+                long[i] = start.elapsed().as_secs_f64() > LONG;
+            }
         }
     }
-    println!("case,ms_per_frame,max_strain,tets_per_second");
+    println!("{}", Outcome::HEADER);
     for ((name, _), outcomes) in cases.iter().zip(&mut outcomes) {
         outcomes.sort_by(|a, b| a.ms_per_frame.total_cmp(&b.ms_per_frame));
-        let Outcome {
-            ms_per_frame,
-            max_strain,
-            tets_per_second,
-        } = &outcomes[RUNS / 2];
-        println!("\"{name}\",{ms_per_frame:.3},{max_strain:.3},{tets_per_second:.3e}");
+        println!("{}", outcomes[outcomes.len() / 2].row(name));
     }
 }

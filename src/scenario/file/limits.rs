@@ -4,7 +4,7 @@
 //! limited there, in [`build`](super::build).
 
 use super::decode::Decoder;
-use super::model::{Act, Channel, Deformable, RigidKind, Scenario, Substepping};
+use super::model::{Act, Channel, Deformable, Mesh, RigidKind, Scenario, Substepping};
 use super::tree::Node;
 use std::collections::BTreeMap;
 
@@ -57,7 +57,7 @@ pub(super) fn check(scene: &Scenario, node: &Node, d: &mut Decoder) {
     let nodes = nodes(scene, node, d);
     substeps(scene, node, d);
     samples(scene, node, d);
-    rigid(scene, node, d);
+    shapes(scene, node, d);
     choices(scene, &nodes, node, d);
     let pictured = scene.frames.len() as f64 * nodes.values().sum::<f64>();
     if let Some(what) = Budget::new("nodes on pictures", PICTURED).take(pictured) {
@@ -151,7 +151,7 @@ fn samples(scene: &Scenario, node: &Node, d: &mut Decoder) {
     }
 }
 
-fn rigid(scene: &Scenario, node: &Node, d: &mut Decoder) {
+fn shapes(scene: &Scenario, node: &Node, d: &mut Decoder) {
     let mut colliders = Budget::new("colliders", COLLIDERS);
     let mut points = Budget::new("points of shapes", POINTS);
     for (i, body) in scene.rigid.iter().enumerate() {
@@ -159,6 +159,12 @@ fn rigid(scene: &Scenario, node: &Node, d: &mut Decoder) {
         let sum = body.colliders.iter().map(|c| c.shape.points()).sum();
         for what in [what, points.take(sum)].into_iter().flatten() {
             d.wrong_item(node, "rigid", i, what);
+        }
+    }
+    for (i, body) in scene.deformables.iter().enumerate() {
+        let sum = body.embed.as_ref().map_or(0.0, Mesh::points);
+        if let Some(what) = points.take(sum) {
+            d.wrong_item(node, "deformables", i, what);
         }
     }
 }

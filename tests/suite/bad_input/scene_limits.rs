@@ -56,6 +56,13 @@ fn what_a_scene_may_ask_for_in_all_is_limited() {
     let ground = format!("(rigid: [(name: \"a\", kind: Fixed, colliders: [{ground}])])");
     let balls = "(shape: TriMesh(Ball(radius: 1, around: 512, rings: 512))),".repeat(9);
     let balls = format!("(rigid: [(name: \"a\", kind: Fixed, colliders: [{balls}])])");
+    let tets = "body: TetBox(size: (1, 1, 1), cell: 1), solid: (young: 1, poisson: 0, density: 1)";
+    let skins: String = (0..9)
+        .map(|i| {
+            format!("(name: \"b{i}\", {tets}, embed: Ball(radius: 1, around: 512, rings: 512)),")
+        })
+        .collect();
+    let skins = format!("(deformables: [{skins}])");
     let frames = format!("(frames: [{}])", "0,".repeat(1001));
     let pictures = format!(
         "(deformables: [(name: \"a\", {block})], frames: [{}])",
@@ -82,6 +89,7 @@ fn what_a_scene_may_ask_for_in_all_is_limited() {
         (&colliders, &["rigid[", "100800 colliders", "100000"]),
         (&ground, &["rigid[0]", "2566404 points", "2000000"]),
         (&balls, &["rigid[0]", "points", "2000000"]),
+        (&skins, &["deformables[7]", "points", "2000000"]),
         (&frames, &["frames", "1001", "1000"]),
         (&pictures, &["frames", "75357100 nodes", "50000000"]),
         (&pairs, &["no_contact", "1001", "1000"]),

@@ -39,6 +39,32 @@ pub const STONE: &str = r#"(
     ],
 )"#;
 
+/// A ball bound to a box of tets that is larger than it rests on the ball, with the box in the floor.
+#[test]
+fn an_embedded_surface_touches_in_place_of_its_tets() {
+    let scene = r#"(
+        variables: (radius: 0.2, side: 0.5, density: 100),
+        world: (duration: 1),
+        rigid: [(name: "floor", kind: Fixed, colliders: [(shape: HalfSpace(normal: (0, 1, 0)))])],
+        deformables: [(
+            name: "ball",
+            body: TetBox(size: ("side", "side", "side"), cell: 0.25),
+            embed: Ball(radius: "radius", around: 16, rings: 8),
+            solid: (young: 1e6, poisson: 0.3, density: "density", mass_damping: 20),
+            translation: (0, "radius", 0),
+        )],
+        probes: [(name: "low", of: Low(of: "ball", axis: Y)), (name: "floor", of: Force(by: "floor", axis: Y))],
+        expect: [
+            (name: "lowest node", that: Final("low"), equals: "radius - side / 2", within: 2e-3),
+            (name: "weight", that: Mean("floor"), over: (0.5, 1), equals: "density * side^3 * 9.81", within_share: 0.01),
+        ],
+    )"#;
+    let options = LoadOptions::default();
+    let scene = Scenario::parse(scene, std::path::Path::new("a.ron"), &options).unwrap();
+    let outcome = scene.run().unwrap();
+    assert!(outcome.passed(), "{outcome}");
+}
+
 /// Forces on one rigid body add up.
 #[test]
 fn two_forces_on_one_body_both_act() {

@@ -53,7 +53,11 @@ pub(super) fn insert(
             let Some(made) = &body.solid else {
                 return Err(failed(BuildError::MaterialForTets));
             };
-            (DeformableBuilder::tets(mesh, solid(&made.0)), nodes)
+            let mut builder = DeformableBuilder::tets(mesh, solid(&made.0));
+            if let Some(mesh) = &body.embed {
+                builder = builder.embed(surface(mesh, &body.name)?);
+            }
+            (builder, nodes)
         }
     };
     few(&body.name, (before + nodes.len()) as f64)?;

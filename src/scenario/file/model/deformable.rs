@@ -48,6 +48,8 @@ record! {
         springs: Option<Alike> = None;
         /// The solid of its tets; of bodies of tets.
         solid: Option<Made<SolidMaterial>> = None;
+        /// A finer surface in its own frame that its tets carry: it is drawn, and touches in their place.
+        embed: Option<Mesh> = None;
         /// Other materials in parts of it; later ones win.
         parts: Vec<Part> = Vec::new(), Length { from: 0, to: 100 };
         /// Its whole mass \[kg\]; by volumes and densities if it is left out.
@@ -318,6 +320,7 @@ fn fits(body: &Deformable, node: &Node, d: &mut Decoder) -> Option<()> {
         None if !tets && body.solid.is_some() => {
             "bodies of springs have a `material` instead of a `solid`".into()
         }
+        None if !tets && body.embed.is_some() => "only bodies of tets can `embed` a surface".into(),
         None if body.springs.is_some() && (tets || net || body.material.is_some()) => {
             "only bodies of springs by sections have `springs`, instead of a `material`".into()
         }

@@ -311,7 +311,7 @@ impl Mesh {
     }
 
     /// How many points it has; none for a file, whose bytes are limited.
-    fn points(&self) -> f64 {
+    pub(crate) fn points(&self) -> f64 {
         match self {
             Self::Hatchback => 3000.0,
             Self::File(_) => 0.0,

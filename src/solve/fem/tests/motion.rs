@@ -1,4 +1,7 @@
 use super::*;
+use crate::body::state::State;
+use crate::shape::tet_box_of_cells;
+use crate::solve::Solver;
 
 /// Explicit steps of 1 with a random start, undamped or damped: bounded at 1 times the bound, grown at 1.6 times it.
 #[test]
@@ -153,6 +156,39 @@ fn free_flight_conserves_momentum_and_energy() {
             );
             assert!((e / energy - 1.0).abs() < 5e-3, "{law:?}: {e} of {energy}");
         }
+    }
+}
+
+/// Fastest node \[m/s\] of a clamped beam of quadratic tets under its own weight, once its swing has died out to 1e-9 of what it was.
+fn fastest_at_rest<S: Scalar>(stiffness_damping: f64) -> f64 {
+    let mesh = tet_box_of_cells(Vector::new(1.0, 0.2, 0.2), [4, 1, 1], TetSplit::Six);
+    let mesh = mesh.unwrap().quadratic();
+    // Twice the first angular frequency.
+    let solid = Solid::new(1.2e7, 0.0, 1000.0).damping(44.0, stiffness_damping);
+    let model = Model::<S>::new(&mesh, solid).unwrap();
+    let masses = model.masses();
+    let nodes = mesh.nodes.iter().zip(&masses).map(|(x, m)| {
+        let inv_mass = if x.x < -0.499 { 0.0 } else { 1.0 / m };
+        (x.to_array().map(S::of), [S::ZERO; 3], S::of(inv_mass))
+    });
+    let mut state = State::<S>::new(nodes, []);
+    let mut solver = Solver::new(&[], &state).with_elements(Part::new(model.into(), &masses));
+    solver.external.gravity = [0.0, -9.81, 0.0].map(S::of);
+    for _ in 0..6000 {
+        solver.substep(&mut state, Integrator::SymplecticEuler, 2e-4);
+    }
+    let speeds = (0..masses.len()).map(|n| state.velocity(n).length());
+    speeds.fold(0.0, f64::max)
+}
+
+/// What trembles in a body at rest is the rounding of `f32`: it is not there in `f64`, and damping by stiffness takes it away.
+#[test]
+fn what_rests_is_still_but_for_rounding() {
+    let exact = fastest_at_rest::<f64>(0.0);
+    assert!(exact < 1e-8, "{exact:e} m/s in f64");
+    for (beta, most) in [(0.0, 5e-3), (1e-4, 5e-4)] {
+        let found = fastest_at_rest::<f32>(beta);
+        assert!(found < most, "β = {beta}: {found:e} m/s");
     }
 }
 
