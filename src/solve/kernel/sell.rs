@@ -9,8 +9,9 @@
 //!
 //! Constants lie in tables of distinct slots, so that a regular net streams hardly more than its indices. Rest
 //! length and flow of springs that can flow lie in both copies of a spring, where the pass reads and writes them. The state
-//! gets them once somebody may look at it ([`Sell::settle`]): to write it in every pass costs more than all else that flowing
-//! does, for springs are not numbered as rows are. A state changed by other hands than the solver's wants a new table.
+//! gets them once somebody may look at it ([`Sell::settle`]): to write it in every pass made one in which all springs flow
+//! 1.4 times as long, for springs are not numbered as rows are. A state changed by other hands than the solver's wants a
+//! new table.
 
 use super::SLICES;
 use super::limits::Outcome;
