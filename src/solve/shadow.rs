@@ -40,11 +40,9 @@ pub struct Shadow {
     pub impulse: DVec3,
     /// Sum of angular impulses about the centre of mass \[N·m·s\].
     pub torque: DVec3,
-    /// Both sums at the end of the last substep.
-    pub received: (DVec3, DVec3),
-    /// Sum over the substeps of √(J·M⁻¹·J), with J what each has added to the sums \[√J\]: what comes and goes back counts
-    /// twice.
-    pub effort: f64,
+    /// Both sums integrated over the time of the substeps \[N·s²\], \[N·m·s²\]: a free body's displacement by them, and
+    /// about its turn, times its mass.
+    pub shift: (DVec3, DVec3),
 }
 
 impl Shadow {
@@ -65,8 +63,7 @@ impl Shadow {
         damping: (0.0, 0.0),
         impulse: DVec3::ZERO,
         torque: DVec3::ZERO,
-        received: (DVec3::ZERO, DVec3::ZERO),
-        effort: 0.0,
+        shift: (DVec3::ZERO, DVec3::ZERO),
     };
 
     /// Takes an impulse and an angular impulse about the centre of mass \[N·s\], \[N·m·s\].
@@ -139,11 +136,8 @@ impl Shadow {
 
     /// Second half of a substep: position and orientation.
     pub fn advance(&mut self, h: f64) {
-        let (impulse, torque) = self.received;
-        self.effort += self
-            .energy_of(self.impulse - impulse, self.torque - torque)
-            .sqrt();
-        self.received = (self.impulse, self.torque);
+        self.shift.0 += self.impulse * h;
+        self.shift.1 += self.torque * h;
         self.com += self.v * h;
         let turn = DQuat::from_scaled_axis(self.w * h);
         self.rot = (turn * self.rot).normalize();

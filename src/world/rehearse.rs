@@ -188,21 +188,32 @@ impl Trial {
         let more = scale / ((1.0 - share) * dt);
         self.early.0 += by.0 * more;
         self.early.1 += by.1 * more;
-        self.limit(end, (share / (1.0 - share)).max(1.0));
+        self.limit(end, (share, dt));
     }
 
-    /// No more than `most` times what the body gets in all substeps: an impulse at the very start of the step asks for
-    /// itself there, one at the very end for −s/(1 − s) of itself. More than that is not about when impulses came, but about
-    /// a contact that one of the two worlds has and the other has not, and would carry the body about without giving it
-    /// any velocity.
-    fn limit(&mut self, end: &Shadow, most: f64) {
-        let moved = end.energy_of(self.early.0, self.early.1).sqrt();
-        if moved > most * end.effort {
-            let by = most * end.effort / moved;
+    /// No more than what a free body asks for with these impulses at these instants, or with all of them at the start of
+    /// the step or at its end. More than that is not about when impulses came, but about a contact that one of the two worlds
+    /// has and the other has not, and would carry the body about without giving it any velocity.
+    fn limit(&mut self, end: &Shadow, (share, dt): (f64, f64)) {
+        let norm = |(impulse, torque): Wrench| end.energy_of(impulse, torque).sqrt();
+        let sum = (end.impulse, end.torque);
+        let free = free_early(end, (share, dt));
+        let most = ((share / (1.0 - share)).max(1.0) * norm(sum)).max(norm(free));
+        let wanted = norm(self.early);
+        if wanted > most {
+            let by = most / wanted;
             self.early.0 *= by;
             self.early.1 *= by;
         }
     }
+}
+
+/// The early impulse, forwards or backwards, by which a free body gets to its place in a step of `dt` s in which a force
+/// displaces by the `share` of what an impulse does that is given at its start.
+fn free_early(end: &Shadow, (share, dt): (f64, f64)) -> Wrench {
+    let early = |shift: DVec3, sum: DVec3| (shift / dt - sum * share) / (1.0 - share);
+    let (shift, turn) = end.shift;
+    (early(shift, end.impulse), early(turn, end.torque))
 }
 
 #[cfg(test)]

@@ -9,19 +9,23 @@
 //! A light node between two heavy bodies takes as many passes as they are heavier than it, if each row sees the node
 //! alone. Rows that share a node with rows on that node alone see what those make of it instead, see `squeeze`.
 
+mod attempt;
 mod joint;
 mod pass;
 mod points;
 mod rigid;
 mod squeeze;
+mod warm;
 mod worklist;
 
 use crate::law::row::Lift;
 use crate::math::{DMat3, DVec3};
 use crate::solve::shadow::Shadow;
+use attempt::Attempt;
 pub use joint::JointRow;
 pub use rigid::RigidRow;
 use squeeze::Squeeze;
+use warm::Clusters;
 use worklist::Worklist;
 
 /// How fast a body comes to held nodes it is tied to, in errors per second, and out of what nodes that it holds are in, in
@@ -176,6 +180,8 @@ pub struct Rows {
     /// How fast bodies are lifted out of what nodes that they hold are in, at most \[m/s\].
     pub fastest_lift: f64,
     squeeze: Squeeze,
+    attempt: Attempt,
+    clusters: Clusters,
     worklist: Worklist,
 }
 

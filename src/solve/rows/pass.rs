@@ -1,5 +1,6 @@
 //! Gauss–Seidel passes over all rows of a group.
 
+use super::attempt::Attempt;
 use super::points::Points;
 use super::squeeze::Squeeze;
 use super::worklist::Worklist;
@@ -33,6 +34,7 @@ impl Rows {
             joints: &mut self.joints,
             shadows,
             squeeze: &self.squeeze,
+            attempt: &mut self.attempt,
             worklist: &mut self.worklist,
             squeezed,
             h,
@@ -40,7 +42,8 @@ impl Rows {
         };
         pass.prepare();
         pass.prepare_lifts(self.fastest_lift);
-        pass.start_warm();
+        pass.start_shadows();
+        pass.start_warm(&mut self.clusters);
         let most = if pass.is_coupled() {
             4 * passes
         } else {
@@ -94,6 +97,7 @@ pub(super) struct Pass<'a> {
     pub joints: &'a mut [JointRow],
     pub shadows: &'a mut [Shadow],
     pub squeeze: &'a Squeeze,
+    pub attempt: &'a mut Attempt,
     pub worklist: &'a mut Worklist,
     /// Whether `squeeze` is of these rows.
     squeezed: bool,
@@ -181,21 +185,12 @@ impl Pass<'_> {
         })
     }
 
-    fn start_warm(&mut self) {
+    fn start_shadows(&mut self) {
         for row in &mut *self.rigid {
             row.start(self.shadows, self.h);
         }
         for row in &mut *self.joints {
             row.start(self.shadows, self.h);
-        }
-        for row in self.contacts.iter().filter(|r| r.impulse() != DVec3::ZERO) {
-            let j = row.impulse();
-            self.points.push(row.terms, j);
-            self.shadows[row.shadow as usize].push(row.arm, -j * row.rigid_share);
-        }
-        for tie in self.ties.iter().filter(|t| t.impulse != DVec3::ZERO) {
-            self.points.push(tie.terms, tie.impulse);
-            self.shadows[tie.shadow as usize].push(tie.arm, -tie.impulse);
         }
     }
 
@@ -278,11 +273,18 @@ impl Pass<'_> {
         if row.friction_limit() <= 0.0 && row.friction_impulse == DVec3::ZERO {
             return None;
         }
-        let shadow = &self.shadows[row.shadow as usize];
-        let relative = self.points.velocity(row.terms) - shadow.velocity_at(row.arm);
-        let slip = relative - row.normal * relative.dot(row.normal);
+        let slip = self.slip_of(i);
         let speed = slip.length();
         (speed > 0.0).then(|| (slip, slip / speed))
+    }
+
+    /// The slip velocity of a row, whether there is friction or not \[m/s\].
+    #[inline(always)]
+    pub fn slip_of(&self, i: usize) -> DVec3 {
+        let row = &self.contacts[i];
+        let shadow = &self.shadows[row.shadow as usize];
+        let relative = self.points.velocity(row.terms) - shadow.velocity_at(row.arm);
+        relative - row.normal * relative.dot(row.normal)
     }
 
     /// The friction impulse of a row against `slip` m/s, with an effective mass of `mass` kg.
@@ -312,10 +314,10 @@ impl Pass<'_> {
 
     /// Solves a tie as if it were the only one; whether it was not settled yet.
     pub fn solve_tie(&mut self, i: usize) -> bool {
+        let error = self.tie_error(i);
         let tie = &mut self.ties[i];
         let shadow = &mut self.shadows[tie.shadow as usize];
-        let wanted = shadow.velocity_at(tie.arm) + tie.bias - tie.impulse * tie.softness;
-        let change = tie.mass * (wanted - self.points.velocity(tie.terms));
+        let change = -(tie.mass * error);
         tie.impulse += change;
         self.points.push(tie.terms, change);
         shadow.push(tie.arm, -change);
@@ -325,6 +327,13 @@ impl Pass<'_> {
             self.worklist.change(terms, [tie.shadow; 2]);
         }
         changed
+    }
+
+    /// By how much the velocity of a tie's point differs from what it is to be \[m/s\].
+    pub fn tie_error(&self, i: usize) -> DVec3 {
+        let tie = &self.ties[i];
+        let anchor = self.shadows[tie.shadow as usize].velocity_at(tie.arm);
+        self.points.velocity(tie.terms) - (anchor + tie.bias - tie.impulse * tie.softness)
     }
 
     /// The reactions, summed up for the hand-over.
