@@ -44,6 +44,8 @@ pub struct Encounter {
     budget: f64,
     node_touches: [Touches; 2],
     edge_touches: Touches,
+    /// Whether nothing is known of what is inside of what: bodies may be put into each other.
+    fresh: bool,
     /// How often the nodes of each had been moved from outside when the lists were put by.
     edits: [u64; 2],
 }
@@ -61,6 +63,7 @@ impl Encounter {
             budget: -1.0,
             node_touches: Default::default(),
             edge_touches: Touches::default(),
+            fresh: true,
             edits: [0; 2],
         }
     }
@@ -88,6 +91,7 @@ impl Encounter {
     pub fn forget(&mut self) {
         self.node_touches.iter_mut().for_each(Touches::clear);
         self.edge_touches.clear();
+        self.fresh = true;
         self.budget = -1.0;
     }
 
@@ -102,5 +106,6 @@ impl Encounter {
         for touches in [a, b, &mut self.edge_touches] {
             touches.remember(rows, touching);
         }
+        self.fresh = false;
     }
 }

@@ -55,6 +55,8 @@ pub struct Query<'a> {
     pub own_normal: &'a dyn Fn() -> DVec3,
     /// No row for what is farther off than this \[m\].
     pub farthest: f64,
+    /// Whether it may have been put inside the other body.
+    pub fresh: bool,
     /// Distance that counts as touching \[m\].
     pub touching: f64,
 }
@@ -80,7 +82,15 @@ impl Query<'_> {
         if !self.other.outline.closed && best.squared > self.farthest * self.farthest {
             return [None; 2];
         }
-        let seen = self.see(&best).filter(|f| f.gap <= self.farthest);
+        // What did not touch cannot be farther inside than the way of a substep: where it seems to be, a crumpled surface has
+        // turned inside out.
+        let deepest = if self.fresh || !self.known.is_empty() {
+            f64::INFINITY
+        } else {
+            self.farthest
+        };
+        let seen = self.see(&best);
+        let seen = seen.filter(|f| f.gap <= self.farthest && f.gap >= -deepest);
         let Some(first) = seen else {
             return [None; 2];
         };

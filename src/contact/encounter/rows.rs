@@ -86,6 +86,7 @@ impl Encounter {
                     }
                 },
                 farthest: self.manners.distance + reach.farthest,
+                fresh: self.fresh,
                 touching: reach.touching,
             };
             let found = query.find();
