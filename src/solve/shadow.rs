@@ -128,12 +128,6 @@ impl Shadow {
         self.w = (self.w + self.spin_up * h) / (1.0 + h * self.damping.1);
     }
 
-    /// Twice the energy that an impulse and an angular impulse give to the body at rest, its joints left out \[J\].
-    pub fn energy_of(&self, impulse: DVec3, torque: DVec3) -> f64 {
-        let energy = impulse.dot(self.inv_mass * impulse) + torque.dot(self.inv_inertia * torque);
-        energy.max(0.0)
-    }
-
     /// Second half of a substep: position and orientation.
     pub fn advance(&mut self, h: f64) {
         self.shift.0 += self.impulse * h;

@@ -121,6 +121,11 @@ impl Group {
                 shadow.advance(h);
             }
         }
+        let given = shadows[1..].iter_mut().zip(trials).zip(&self.shadows[1..]);
+        for ((shadow, trial), end) in given {
+            let Split { late, .. } = split(trial.early, end, share);
+            shadow.take(late.0, late.1);
+        }
         shadows
     }
 }
@@ -166,12 +171,17 @@ impl Trial {
             momentum(end.inv_inertia, miss.1),
         );
         let size = by.0.dot(miss.0) + by.1.dot(miss.1);
-        if size.is_nan() || size >= self.best.1 {
+        // What a split leaves too fast or too slow will have gone as far in another step.
+        let on: Miss = ((end.v - reached.v) * dt, (end.w - reached.w) * dt);
+        let all = size
+            + momentum(end.inv_mass, on.0).dot(on.0)
+            + momentum(end.inv_inertia, on.1).dot(on.1);
+        if all.is_nan() || all >= self.best.1 {
             self.early = self.best.0;
             self.corrects = false;
             return;
         }
-        self.best = (self.early, size);
+        self.best = (self.early, all);
         let inverse = end.inv_mass;
         let response = (inverse.x_axis.x + inverse.y_axis.y + inverse.z_axis.z) / 3.0;
         if size * response <= small * small {
@@ -192,19 +202,25 @@ impl Trial {
     }
 
     /// No more than what a free body asks for with these impulses at these instants, or with all of them at the start of
-    /// the step or at its end. More than that is not about when impulses came, but about a contact that one of the two worlds
-    /// has and the other has not, and would carry the body about without giving it any velocity.
+    /// the step or at its end; displacement and turn each for itself. More than that is not about when impulses came, but
+    /// about a contact that one of the two worlds has and the other has not, and would carry the body about without giving
+    /// it any velocity.
     fn limit(&mut self, end: &Shadow, (share, dt): (f64, f64)) {
-        let norm = |(impulse, torque): Wrench| end.energy_of(impulse, torque).sqrt();
-        let sum = (end.impulse, end.torque);
+        let whole = (share / (1.0 - share)).max(1.0);
         let free = free_early(end, (share, dt));
-        let most = ((share / (1.0 - share)).max(1.0) * norm(sum)).max(norm(free));
-        let wanted = norm(self.early);
-        if wanted > most {
-            let by = most / wanted;
-            self.early.0 *= by;
-            self.early.1 *= by;
-        }
+        let limited = |early: DVec3, free: DVec3, sum: DVec3, inverse: DMat3| {
+            // √J: both in what they give a body at rest.
+            let norm = |j: DVec3| j.dot(inverse * j).max(0.0).sqrt();
+            let most = norm(free).max(whole * norm(sum));
+            let wanted = norm(early);
+            if wanted > most {
+                early * (most / wanted)
+            } else {
+                early
+            }
+        };
+        self.early.0 = limited(self.early.0, free.0, end.impulse, end.inv_mass);
+        self.early.1 = limited(self.early.1, free.1, end.torque, end.inv_inertia);
     }
 }
 
