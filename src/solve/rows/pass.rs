@@ -10,7 +10,7 @@ use crate::math::{DMat3, DVec3, na};
 use crate::solve::shadow::Shadow;
 
 /// How much impulse a lift may take, in what gives a free body its speed.
-const LIFT_IMPULSE: f64 = 2.0;
+const LIFT_IMPULSE: f64 = 6.0;
 
 impl Rows {
     /// Solves all rows in at most `passes` passes, stopping once a pass changes nothing, and books the impulses to the
