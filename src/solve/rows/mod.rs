@@ -9,7 +9,7 @@
 //! A light node between two heavy bodies takes as many passes as they are heavier than it, if each row sees the node
 //! alone. Rows that share a node with rows on that node alone see what those make of it instead, see `squeeze`.
 
-mod attempt;
+mod climb;
 mod joint;
 mod pass;
 mod points;
@@ -21,9 +21,10 @@ mod worklist;
 use crate::law::row::Lift;
 use crate::math::{DMat3, DVec3};
 use crate::solve::shadow::Shadow;
-use attempt::Attempt;
+use climb::Attempt;
 pub use joint::JointRow;
 pub use rigid::RigidRow;
+use rigid::start_rigid;
 use squeeze::Squeeze;
 use warm::Clusters;
 use worklist::Worklist;
@@ -266,9 +267,7 @@ pub fn solve_between_shadows(
     shadows: &mut [Shadow],
     (h, passes, tolerance): (f64, usize, f64),
 ) {
-    for row in &mut *contacts {
-        row.start(shadows, h);
-    }
+    start_rigid(contacts, shadows, h);
     for row in &mut *joints {
         row.start(shadows, h);
     }
@@ -289,5 +288,7 @@ pub fn solve_between_shadows(
     }
 }
 
+#[cfg(test)]
+mod energy;
 #[cfg(test)]
 mod tests;

@@ -1,7 +1,8 @@
 //! Gauss–Seidel passes over all rows of a group.
 
-use super::attempt::Attempt;
+use super::climb::Attempt;
 use super::points::Points;
+use super::rigid::start_rigid;
 use super::squeeze::Squeeze;
 use super::worklist::Worklist;
 use super::{JointRow, LEAD_RATE, RigidRow, Row, Rows, Term, Tie};
@@ -186,9 +187,7 @@ impl Pass<'_> {
     }
 
     fn start_shadows(&mut self) {
-        for row in &mut *self.rigid {
-            row.start(self.shadows, self.h);
-        }
+        start_rigid(self.rigid, self.shadows, self.h);
         for row in &mut *self.joints {
             row.start(self.shadows, self.h);
         }

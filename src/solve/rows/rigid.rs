@@ -4,6 +4,7 @@
 //! once per step; between its answers the shadows keep them, so that a body on a floor gives way to nothing above it, and
 //! to everything beside it. Their impulses stay among the shadows: Rapier gets only what deformables gave.
 
+use super::climb::Climb;
 use crate::law::row::{allowed_velocity, friction_impulse, normal_impulse};
 use crate::math::DVec3;
 use crate::solve::shadow::Shadow;
@@ -40,13 +41,39 @@ pub struct RigidRow {
     pub allowed: f64,
 }
 
+/// Starts a substep of h s: shadows get what the rows gave them in the last one, or that share of it which leads farthest
+/// down.
+pub(super) fn start_rigid(rows: &mut [RigidRow], shadows: &mut [Shadow], h: f64) {
+    let mut climb = Climb::default();
+    for row in &mut *rows {
+        row.allowed = allowed_velocity(-row.gap, h, 0.0);
+        row.mass = row.effective_mass(shadows, row.normal);
+        climb.slope += row.slope(shadows);
+    }
+    for row in &*rows {
+        row.push(shadows, row.impulse());
+    }
+    climb.end = rows.iter().map(|row| row.slope(shadows)).sum();
+    let share = climb.lowest();
+    if share < 1.0 {
+        for row in rows {
+            row.push(shadows, row.impulse() * (share - 1.0));
+            row.normal_impulse *= share;
+            row.friction_impulse *= share;
+        }
+    }
+}
+
 impl RigidRow {
-    /// Starts a substep of h s, and lets the shadows take the impulses of the last one.
-    pub(super) fn start(&mut self, shadows: &mut [Shadow], h: f64) {
-        self.allowed = allowed_velocity(-self.gap, h, 0.0);
-        self.mass = self.effective_mass(shadows, self.normal);
-        let impulse = self.normal * self.normal_impulse + self.friction_impulse;
-        self.push(shadows, impulse);
+    fn impulse(&self) -> DVec3 {
+        self.normal * self.normal_impulse + self.friction_impulse
+    }
+
+    /// The slope of what rows minimise along the impulse of this one, times the impulse \[J\].
+    fn slope(&self, shadows: &[Shadow]) -> f64 {
+        let v = self.velocity(shadows);
+        self.normal_impulse * (v.dot(self.normal) - self.allowed)
+            + self.friction_impulse.dot(v - self.belt)
     }
 
     /// One visit of a pass; whether it was not settled yet.

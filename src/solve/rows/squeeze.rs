@@ -4,9 +4,8 @@
 //! sees only the node. Here a row sees the node together with its other rows: what is pressed on a floor does not give
 //! way at all, and what is pressed on a body moves with it. That is the Schur complement of the node's own rows in the
 //! system of all rows, taken over those that are active. After every such impulse the node's own rows answer at once.
-//! Which of them will be active is a guess, so a try that did not settle and went uphill is taken back.
+//! Which of them will be active is a guess, so what went uphill is taken back.
 
-use super::attempt::Attempt;
 use super::pass::Pass;
 use super::{Row, Term, Tie};
 use crate::math::{DMat3, DVec3};
@@ -87,72 +86,43 @@ impl Squeeze {
     }
 }
 
-/// What a visit to a row did.
-#[derive(Clone, Copy, Default)]
-struct Tried {
-    changed: bool,
-    settled: bool,
-}
-
 impl Pass<'_> {
     /// Solves a row whose nodes have rows of their own.
     pub(super) fn solve_squeezed(&mut self, i: usize) -> bool {
         let mut attempt = std::mem::take(self.attempt);
-        self.start(&mut attempt, i);
-        let pressed = self.press_squeezed(i);
-        let rubbed = self.rub_squeezed(i);
-        let settled = pressed.settled && rubbed.settled;
-        let changed = if !settled && self.height(&attempt) > 0.0 {
-            self.take_back(&attempt);
-            self.solve_row(i)
-        } else {
-            pressed.changed | rubbed.changed
-        };
-        *self.attempt = attempt;
-        changed
-    }
-
-    /// Notes a row, and the own rows and ties of its nodes, before they are tried.
-    fn start(&self, attempt: &mut Attempt, i: usize) {
         let squeeze = self.squeeze;
-        attempt.clear();
         let terms = self.points.terms_of(self.contacts[i].terms);
         let own = terms.iter().flat_map(|t| squeeze.own(t.node));
         let rows = std::iter::once(i).chain(own.filter(|own| *own != i));
-        attempt.rows.extend(rows.map(|row| self.row_before(row)));
         let ties = terms.iter().filter_map(|t| squeeze.tie(t.node));
-        attempt.ties.extend(ties.map(|tie| self.tie_before(tie)));
-    }
-
-    fn take_back(&mut self, attempt: &Attempt) {
-        for before in &attempt.rows {
-            self.keep_of_row(before, 0.0);
+        attempt.start(self, rows, ties);
+        let mut changed = self.press_squeezed(i) | self.rub_squeezed(i);
+        if attempt.height(self) > 0.0 {
+            attempt.undo(self);
+            changed = self.solve_row(i);
         }
-        for before in &attempt.ties {
-            self.keep_of_tie(before, 0.0);
-        }
+        *self.attempt = attempt;
+        changed
     }
 
     /// The normal impulse. Which own rows will be active, and which of them stick, is known only afterwards, so a row that
     /// did not come to rest is tried again. Its velocity grows with its impulse, slowly while the own rows hold and by the
     /// nodes' own response once they don't: beyond zero that steepest slope leads back without crossing it again, before
     /// zero the measured one leads on.
-    fn press_squeezed(&mut self, i: usize) -> Tried {
+    fn press_squeezed(&mut self, i: usize) -> bool {
         let row = &self.contacts[i];
         let most = self.squeezed_mass(i, row.normal, row.softness, Hold::All);
         let mut mass = self.squeezed_mass(i, row.normal, row.softness, Hold::Active);
-        let mut tried = Tried::default();
+        let mut changed = false;
         for _ in 0..TRIES {
             let (j, v) = (self.contacts[i].normal_impulse, self.excess(i));
             if !self.press(i, mass) {
-                tried.settled = true;
                 break;
             }
-            tried.changed = true;
+            changed = true;
             self.answer(i);
             let (change, left) = (self.contacts[i].normal_impulse - j, self.excess(i));
             if left.abs() <= SETTLED * v.abs() {
-                tried.settled = true;
                 break;
             }
             let alone = self.contacts[i].mass;
@@ -166,32 +136,28 @@ impl Pass<'_> {
             }
             mass = mass.min(most);
         }
-        tried
+        changed
     }
 
     /// The friction impulse, likewise.
-    fn rub_squeezed(&mut self, i: usize) -> Tried {
-        let mut tried = Tried::default();
+    fn rub_squeezed(&mut self, i: usize) -> bool {
         let Some((slip, direction)) = self.slip(i) else {
-            tried.settled = true;
-            return tried;
+            return false;
         };
         let alone = self.mass_along(i, direction);
         let most = self.squeezed_mass(i, direction, 0.0, Hold::All);
         let mut mass = self.squeezed_mass(i, direction, 0.0, Hold::Active);
-        let mut slip = slip;
+        let (mut slip, mut changed) = (slip, false);
         for _ in 0..TRIES {
             let before = self.contacts[i].friction_impulse;
             if !self.rub(i, slip, mass) {
-                tried.settled = true;
                 break;
             }
-            tried.changed = true;
+            changed = true;
             self.answer(i);
             let change = self.contacts[i].friction_impulse - before;
             let left = self.slip(i).map_or(DVec3::ZERO, |(slip, _)| slip);
             if left.length() <= SETTLED * slip.length() {
-                tried.settled = true;
                 break;
             }
             mass = if left.dot(slip) < 0.0 {
@@ -204,7 +170,7 @@ impl Pass<'_> {
             }
             (slip, mass) = (left, mass.min(most));
         }
-        tried
+        changed
     }
 
     /// Lets the own rows of a row's nodes answer what it did.

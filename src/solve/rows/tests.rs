@@ -2,7 +2,7 @@ use super::*;
 use crate::math::DMat3;
 use crate::solve::shadow::Shadow;
 
-fn node(v: DVec3) -> RowNode {
+pub(super) fn node(v: DVec3) -> RowNode {
     RowNode {
         body: 0,
         node: 0,
@@ -22,15 +22,26 @@ fn rows(friction: f64, depth: f64, arm: DVec3, v: DVec3) -> Rows {
         share: 1.0,
     }]);
     rows.contacts.push(Row {
+        depth,
+        arm,
+        friction,
+        ..row(terms)
+    });
+    rows
+}
+
+/// A row on the fixed world without friction.
+pub(super) fn row(terms: Terms) -> Row {
+    Row {
         terms,
         shadow: 0,
         pair: 0,
         between: false,
         normal: DVec3::Y,
-        depth,
-        arm,
+        depth: 0.0,
+        arm: DVec3::ZERO,
         rigid_share: 1.0,
-        friction,
+        friction: 0.0,
         softness: 0.0,
         drift: DVec3::ZERO,
         carried: 0.0,
@@ -39,8 +50,7 @@ fn rows(friction: f64, depth: f64, arm: DVec3, v: DVec3) -> Rows {
         mass: 0.0,
         turning: 0.0,
         lift: Lift::default(),
-    });
-    rows
+    }
 }
 
 #[test]

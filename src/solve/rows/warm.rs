@@ -2,9 +2,10 @@
 //!
 //! A light node in a heavy grip is held by impulses that are large beside anything that it could answer alone. Where the
 //! grip has gone or turned they would throw it, and no few passes undo that: a jam would last for substeps and push what it
-//! is between. So what hangs together by its nodes starts with that share of its last impulses which leads farthest down.
+//! is between. So what hangs together by its nodes starts with that share of its last impulses which leads farthest down
+//! (see [`super::climb`]), and so do the contacts of shadows with each other.
 
-use super::attempt::{Attempt, Climb};
+use super::climb::Climb;
 use super::pass::Pass;
 use super::{Row, Term, Terms, Tie};
 use crate::math::DVec3;
@@ -16,7 +17,6 @@ pub(super) struct Clusters {
     parent: Vec<u32>,
     /// Per node that stands for its cluster.
     climbs: Vec<Climb>,
-    attempt: Attempt,
 }
 
 impl Clusters {
@@ -56,56 +56,56 @@ impl Clusters {
 impl Pass<'_> {
     /// Gives nodes and shadows what contacts and ties start with.
     pub(super) fn start_warm(&mut self, clusters: &mut Clusters) {
-        let mut attempt = std::mem::take(&mut clusters.attempt);
-        attempt.clear();
-        let rows = (0..self.contacts.len()).filter(|&i| self.contacts[i].impulse() != DVec3::ZERO);
-        attempt.rows.extend(rows.map(|i| self.row_without(i)));
-        let ties = (0..self.ties.len()).filter(|&i| self.ties[i].impulse != DVec3::ZERO);
-        attempt.ties.extend(ties.map(|i| self.tie_without(i)));
-        for before in &attempt.rows {
-            let row = &self.contacts[before.row];
+        let cold = self.contacts.iter().all(|r| r.impulse() == DVec3::ZERO);
+        if cold && self.ties.iter().all(|t| t.impulse == DVec3::ZERO) {
+            return;
+        }
+        let terms = self.points.terms;
+        clusters.find(self.points.nodes.len(), self.contacts, self.ties, terms);
+        let rows = 0..self.contacts.len();
+        let warm = |pass: &Self, i: &usize| pass.contacts[*i].impulse() != DVec3::ZERO;
+        for i in rows.clone().filter(|i| warm(self, i)) {
+            // Its nodes have yet to get what the row has already.
+            let Row {
+                softness,
+                normal_impulse,
+                ..
+            } = self.contacts[i];
+            let slope = self.row_slope(i) - softness * normal_impulse * normal_impulse;
+            clusters.climb(self.contacts[i].terms, terms).slope += slope;
+        }
+        for i in 0..self.ties.len() {
+            let tie = &self.ties[i];
+            let slope = self.tie_slope(i) - tie.softness * tie.impulse.length_squared();
+            clusters.climb(tie.terms, terms).slope += slope;
+        }
+        for row in self.contacts.iter().filter(|r| r.impulse() != DVec3::ZERO) {
             let j = row.impulse();
             self.points.push(row.terms, j);
             self.shadows[row.shadow as usize].push(row.arm, -j * row.rigid_share);
         }
-        for before in &attempt.ties {
-            let tie = &self.ties[before.tie];
+        for tie in &*self.ties {
             self.points.push(tie.terms, tie.impulse);
             self.shadows[tie.shadow as usize].push(tie.arm, -tie.impulse);
         }
-        if !attempt.rows.is_empty() || !attempt.ties.is_empty() {
-            self.keep_what_leads_down(clusters, &attempt);
+        for i in rows.clone().filter(|i| warm(self, i)) {
+            clusters.climb(self.contacts[i].terms, terms).end += self.row_slope(i);
         }
-        clusters.attempt = attempt;
-    }
-
-    fn keep_what_leads_down(&mut self, clusters: &mut Clusters, attempt: &Attempt) {
-        clusters.find(
-            self.points.nodes.len(),
-            self.contacts,
-            self.ties,
-            self.points.terms,
-        );
-        for before in &attempt.rows {
-            let climb = self.row_climb(before);
-            *clusters.climb(self.contacts[before.row].terms, self.points.terms) += climb;
+        for i in 0..self.ties.len() {
+            clusters.climb(self.ties[i].terms, terms).end += self.tie_slope(i);
         }
-        for before in &attempt.ties {
-            let climb = self.tie_climb(before);
-            *clusters.climb(self.ties[before.tie].terms, self.points.terms) += climb;
-        }
-        for before in &attempt.rows {
-            let terms = self.contacts[before.row].terms;
-            let best = clusters.climb(terms, self.points.terms).best();
-            if best < 1.0 {
-                self.keep_of_row(before, best);
+        for i in rows {
+            let best = clusters.climb(self.contacts[i].terms, terms).lowest();
+            if best < 1.0 && warm(self, &i) {
+                let row = &self.contacts[i];
+                let (normal, friction) = (row.normal_impulse * best, row.friction_impulse * best);
+                self.set_row(i, normal, friction);
             }
         }
-        for before in &attempt.ties {
-            let terms = self.ties[before.tie].terms;
-            let best = clusters.climb(terms, self.points.terms).best();
+        for i in 0..self.ties.len() {
+            let best = clusters.climb(self.ties[i].terms, terms).lowest();
             if best < 1.0 {
-                self.keep_of_tie(before, best);
+                self.set_tie(i, self.ties[i].impulse * best);
             }
         }
     }

@@ -1,0 +1,150 @@
+//! What impulses do to the measure that all rows together minimise.
+//!
+//! With λ the impulses of the rows, A their response, u their velocities before any of them and a those asked for, a pass
+//! goes down ½·λ·A·λ + λ·(u − a). What starts at zero and only descends ends below zero: it takes energy and gives none,
+//! but for what the a ask for. A guess that went uphill is known by this, whatever else it has settled.
+
+use super::pass::Pass;
+use super::{Row, Tie};
+use crate::law::row::Lift;
+use crate::math::DVec3;
+
+/// The slope of the measure along a change of impulses, times the change, at its start and at its end \[J\].
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Climb {
+    pub slope: f64,
+    pub end: f64,
+}
+
+impl Climb {
+    /// The share of the change that gets lowest.
+    pub fn lowest(self) -> f64 {
+        if self.end > self.slope {
+            (-self.slope / (self.end - self.slope)).clamp(0.0, 1.0)
+        } else {
+            1.0
+        }
+    }
+}
+
+/// Rows and ties as they were before their impulses were changed.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Attempt {
+    rows: Vec<RowBefore>,
+    ties: Vec<TieBefore>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct RowBefore {
+    row: usize,
+    normal_impulse: f64,
+    friction_impulse: DVec3,
+    lift: Lift,
+    excess: f64,
+    slip: DVec3,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct TieBefore {
+    tie: usize,
+    impulse: DVec3,
+    error: DVec3,
+}
+
+impl Attempt {
+    /// Notes rows and ties that will be tried.
+    pub fn start(
+        &mut self,
+        pass: &Pass,
+        rows: impl Iterator<Item = usize>,
+        ties: impl Iterator<Item = usize>,
+    ) {
+        self.rows.clear();
+        self.rows.extend(rows.map(|row| {
+            let Row {
+                normal_impulse,
+                friction_impulse,
+                lift,
+                ..
+            } = pass.contacts[row];
+            RowBefore {
+                row,
+                normal_impulse,
+                friction_impulse,
+                lift,
+                excess: pass.excess(row),
+                slip: pass.slip_of(row),
+            }
+        }));
+        self.ties.clear();
+        self.ties.extend(ties.map(|tie| TieBefore {
+            tie,
+            impulse: pass.ties[tie].impulse,
+            error: pass.tie_error(tie),
+        }));
+    }
+
+    /// By how much the measure has risen since \[J\].
+    pub fn height(&self, pass: &Pass) -> f64 {
+        let rows = self.rows.iter().map(|before| {
+            let row = &pass.contacts[before.row];
+            let pressed = row.normal_impulse - before.normal_impulse;
+            let rubbed = row.friction_impulse - before.friction_impulse;
+            pressed * (before.excess + pass.excess(before.row))
+                + rubbed.dot(before.slip + pass.slip_of(before.row))
+        });
+        let ties = self.ties.iter().map(|before| {
+            let change = pass.ties[before.tie].impulse - before.impulse;
+            change.dot(before.error + pass.tie_error(before.tie))
+        });
+        0.5 * (rows.sum::<f64>() + ties.sum::<f64>())
+    }
+
+    /// Takes everything back.
+    pub fn undo(&self, pass: &mut Pass) {
+        for before in &self.rows {
+            pass.set_row(before.row, before.normal_impulse, before.friction_impulse);
+            pass.contacts[before.row].lift = before.lift;
+        }
+        for before in &self.ties {
+            pass.set_tie(before.tie, before.impulse);
+        }
+    }
+}
+
+impl Pass<'_> {
+    /// The slope of the measure along a row's impulse, times the impulse \[J\].
+    pub fn row_slope(&self, i: usize) -> f64 {
+        let Row {
+            normal_impulse,
+            friction_impulse,
+            ..
+        } = self.contacts[i];
+        normal_impulse * self.excess(i) + friction_impulse.dot(self.slip_of(i))
+    }
+
+    /// The same for a tie.
+    pub fn tie_slope(&self, i: usize) -> f64 {
+        let Tie { impulse, .. } = self.ties[i];
+        impulse.dot(self.tie_error(i))
+    }
+
+    /// Gives a row other impulses.
+    pub fn set_row(&mut self, i: usize, normal_impulse: f64, friction_impulse: DVec3) {
+        let row = &mut self.contacts[i];
+        let before = row.impulse();
+        (row.normal_impulse, row.friction_impulse) = (normal_impulse, friction_impulse);
+        let change = row.impulse() - before;
+        self.points.push(row.terms, change);
+        self.shadows[row.shadow as usize].push(row.arm, -change * row.rigid_share);
+    }
+
+    /// Gives a tie another impulse.
+    pub fn set_tie(&mut self, i: usize, impulse: DVec3) {
+        let tie = &mut self.ties[i];
+        let change = impulse - tie.impulse;
+        tie.impulse = impulse;
+        self.points.push(tie.terms, change);
+        self.shadows[tie.shadow as usize].push(tie.arm, -change);
+    }
+}
