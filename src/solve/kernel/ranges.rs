@@ -1,14 +1,20 @@
 //! Springs with limits by slots, and in which range of elongation nothing happens to them.
 
 use super::table::BySlot;
-use super::vector::{Half, LANES, Places, Vector, Wide};
+use super::vector::{Half, LANES, Places, Reader, Vector, Wide};
 use crate::solve::springs::Limit;
+use std::collections::HashMap;
 
 /// What springs that yield or break have besides, per slot.
 #[derive(Clone, Debug)]
 pub struct Limits {
     /// Which spring; one behind the last for none.
     pub springs: Places,
+    /// Which of the limits that there are. Springs of one material and length share theirs, so that the pass finds them in
+    /// the nearest cache.
+    pub kinds: Places,
+    /// The last is that of no spring.
+    pub palette: Vec<Limit<f32>>,
     /// Per slot one bit for each lane whose copy of a spring is the one that counts: that of the lower node.
     pub telling: Vec<u16>,
     /// Rest length and accumulated flow \[m\].
@@ -29,6 +35,8 @@ pub struct Limits {
 /// The limits of some slices: what a pass changes of them is its own.
 pub struct Span<'a> {
     pub springs: &'a Places,
+    kinds: &'a Places,
+    palette: &'a [Limit<f32>],
     pub telling: &'a [u16],
     pub slacks: &'a [Wide],
     slots: BySlots<'a>,
@@ -72,6 +80,28 @@ pub fn slack(limit: &Limit<f32>, stiffness: f32, rest: f32) -> f32 {
     }
 }
 
+/// The limits that there are, in the order in which they come first, so that the last is that of no spring, and which of them
+/// each spring has. What has broken counts as no spring.
+pub fn palette(limits: &[Limit<f32>]) -> (Vec<Limit<f32>>, Vec<u32>) {
+    let Some((none, limits)) = limits.split_last() else {
+        return Default::default();
+    };
+    let mut palette = Vec::new();
+    let mut known = HashMap::new();
+    let mut kinds: Vec<u32> = limits
+        .iter()
+        .map(|limit| {
+            *known.entry(limit.bits()).or_insert_with(|| {
+                palette.push(*limit);
+                palette.len() as u32 - 1
+            })
+        })
+        .collect();
+    kinds.push(palette.len() as u32);
+    palette.push(*none);
+    (palette, kinds)
+}
+
 impl Range {
     pub const UNKNOWN: Self = Self {
         least: f32::NAN,
@@ -102,6 +132,8 @@ impl Limits {
     pub fn span(&mut self) -> Span<'_> {
         Span {
             springs: &self.springs,
+            kinds: &self.kinds,
+            palette: &self.palette,
             telling: &self.telling,
             slacks: &self.slacks,
             slots: BySlots {
@@ -132,6 +164,8 @@ impl<'a> Span<'a> {
         let (unsaved, rest_unsaved) = slices.unsaved.split_at_mut(slice - slices.first);
         let span = |slots, slices| Self {
             springs: self.springs,
+            kinds: self.kinds,
+            palette: self.palette,
             telling: self.telling,
             slacks: self.slacks,
             slots,
@@ -159,6 +193,12 @@ impl<'a> Span<'a> {
                 by_slices(slice, busies, others, rest_unsaved),
             ),
         ]
+    }
+
+    /// The limits of springs by slots; there always are some.
+    #[inline(always)]
+    pub fn limits(&self) -> Option<Reader<'a, Limit<f32>>> {
+        self.kinds.of(self.palette)
     }
 
     /// Whether a spring of a part of a slice was out of its range in the last pass.
@@ -218,8 +258,8 @@ impl<'a> Span<'a> {
 
     /// Finds the range of a slot, which lies within what the law allows by more than the law is rounded.
     #[inline(always)]
-    pub fn find_range<V: Vector>(&mut self, slot: usize, table: &[Limit<f32>], stiffness: &Wide) {
-        let Some(rows) = self.springs.of(table) else {
+    pub fn find_range<V: Vector>(&mut self, slot: usize, stiffness: &Wide) {
+        let Some(rows) = self.limits() else {
             return;
         };
         let [mut most, mut least] = [V::of(f64::INFINITY), V::of(f64::NEG_INFINITY)];

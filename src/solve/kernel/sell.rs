@@ -18,7 +18,7 @@ use super::limits::Outcome;
 use super::log::Log;
 use super::mirror::Mirror;
 use super::order::Adjacency;
-use super::ranges::{Limits, Range, slack};
+use super::ranges::{Limits, Range, palette, slack};
 use super::regular;
 use super::vector::{LANES, Places, Starts, Wide};
 use crate::body::state::State;
@@ -100,6 +100,8 @@ struct Builder<'a> {
     links: &'a [Link<f32>],
     table: &'a [Limit<f32>],
     state: &'a State<f32>,
+    /// Per spring, and for none, which of the limits that there are.
+    kinds: Vec<u32>,
     adjacency: Adjacency,
     damped: bool,
     distinct: HashMap<[[u32; LANES]; 4], u32>,
@@ -125,10 +127,12 @@ impl Sell {
             Some(_) => (0..nodes as u32).collect(),
             None => adjacency.rows(),
         };
+        let (palette, kinds) = palette(limits);
         let mut builder = Builder {
             links,
             table: limits,
             state,
+            kinds,
             adjacency,
             damped: links.iter().any(|l| l.damping != 0.0),
             distinct: HashMap::new(),
@@ -137,7 +141,7 @@ impl Sell {
             layout: Layout::empty(&order)?,
             limits: match limits.is_empty() {
                 true => None,
-                false => Some(Limits::none(limits.len())?),
+                false => Some(Limits::none(limits.len(), palette)?),
             },
             mirror: Mirror::default(),
             sums: Sums::default(),
@@ -181,11 +185,11 @@ impl Sell {
         }
     }
 
-    /// Takes all force from a spring that has limits, and writes to the state how it was.
+    /// Takes all force from a spring that has limits, one of so many, and writes to the state how it was.
     pub(crate) fn cut(
         &mut self,
         (spring, link): (usize, &Link<f32>),
-        table: &[Limit<f32>],
+        springs: usize,
         state: &mut State<f32>,
     ) {
         let Some(limits) = &mut self.limits else {
@@ -198,7 +202,8 @@ impl Sell {
                 if limits.springs.row(slot, lane) == spring {
                     state.rest[spring] = limits.rest[slot].0[lane];
                     state.flow[spring] = limits.flow[slot].0[lane];
-                    limits.springs.set(slot, lane, table.len() - 1);
+                    limits.springs.set(slot, lane, springs);
+                    limits.kinds.set(slot, lane, limits.palette.len() - 1);
                     limits.flow[slot].0[lane] = 0.0;
                     self.layout.far.set(slot, lane, node as usize);
                     limits.rest[slot].0[lane] = least_length();
@@ -226,7 +231,8 @@ impl Sell {
             let by_slot = wide(&limits.rest) + size_of_val(&limits.ranges[..]);
             *(if regular { &mut rare } else { &mut hot }) += by_slot;
             hot += wide(&limits.slacks);
-            rare += wide(&limits.flow) + limits.springs.bytes();
+            rare += wide(&limits.flow) + limits.springs.bytes() + limits.kinds.bytes();
+            rare += size_of_val(&limits.palette[..]);
             rare += size_of_val(&limits.telling[..]);
         }
         [hot, hot + rare]
@@ -362,7 +368,7 @@ impl Builder<'_> {
                 limits.slacks.resize(next as usize, none);
                 limits.slacks.push(slacks);
             }
-            limits.push_slot(ends, own, (self.links.len(), self.state), rest);
+            limits.push_slot(ends, own, (&self.kinds, self.state), rest);
         }
     }
 
@@ -378,9 +384,11 @@ impl Builder<'_> {
 }
 
 impl Limits {
-    fn none(springs: usize) -> Option<Self> {
+    fn none(springs: usize, palette: Vec<Limit<f32>>) -> Option<Self> {
         Some(Self {
             springs: Places::new(springs)?,
+            kinds: Places::new(palette.len())?,
+            palette,
             telling: Vec::new(),
             rest: Vec::new(),
             flow: Vec::new(),
@@ -396,11 +404,14 @@ impl Limits {
         &mut self,
         ends: &Ends,
         own: impl Fn(usize) -> u32,
-        (none, state): (usize, &State<f32>),
+        (kinds, state): (&[u32], &State<f32>),
         rest: Wide,
     ) {
-        let springs = ends.map(|e| e.map_or(none as u32, |(spring, _)| spring));
+        let none = kinds.len() as u32 - 1;
+        let springs = ends.map(|e| e.map_or(none, |(spring, _)| spring));
         self.springs.push(springs);
+        self.kinds
+            .push(springs.map(|spring| kinds[spring as usize]));
         let tells = |l: usize| ends[l].is_some_and(|(_, other)| own(l) < other);
         let bits = (0..LANES).map(|l| u16::from(tells(l)) << l);
         self.telling.push(bits.sum());
