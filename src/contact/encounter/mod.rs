@@ -44,8 +44,9 @@ pub struct Encounter {
     budget: f64,
     node_touches: [Touches; 2],
     edge_touches: Touches,
-    /// Whether nothing is known of what is inside of what: bodies may be put into each other.
-    fresh: bool,
+    /// How much farther inside than the way of a substep something can be that did not touch \[m\]: what was done to the
+    /// bodies since the last substep, without bound while nothing is known of them.
+    unseen: f64,
     /// How often the nodes of each had been moved from outside when the lists were put by.
     edits: [u64; 2],
 }
@@ -63,7 +64,7 @@ impl Encounter {
             budget: -1.0,
             node_touches: Default::default(),
             edge_touches: Touches::default(),
-            fresh: true,
+            unseen: f64::MAX,
             edits: [0; 2],
         }
     }
@@ -78,6 +79,7 @@ impl Encounter {
         (edits, shifted): ([u64; 2], f64),
     ) {
         self.budget -= shifted;
+        self.unseen += shifted;
         if self.edits != edits {
             self.forget();
         }
@@ -91,7 +93,7 @@ impl Encounter {
     pub fn forget(&mut self) {
         self.node_touches.iter_mut().for_each(Touches::clear);
         self.edge_touches.clear();
-        self.fresh = true;
+        self.unseen = f64::MAX;
         self.budget = -1.0;
     }
 
@@ -106,6 +108,6 @@ impl Encounter {
         for touches in [a, b, &mut self.edge_touches] {
             touches.remember(rows, touching);
         }
-        self.fresh = false;
+        self.unseen = 0.0;
     }
 }

@@ -55,8 +55,8 @@ pub struct Query<'a> {
     pub own_normal: &'a dyn Fn() -> DVec3,
     /// No row for what is farther off than this \[m\].
     pub farthest: f64,
-    /// Whether it may have been put inside the other body.
-    pub fresh: bool,
+    /// How much farther inside than `farthest` it can be without having touched \[m\].
+    pub unseen: f64,
     /// Distance that counts as touching \[m\].
     pub touching: f64,
 }
@@ -84,10 +84,10 @@ impl Query<'_> {
         }
         // What did not touch cannot be farther inside than the way of a substep: where it seems to be, a crumpled surface has
         // turned inside out.
-        let deepest = if self.fresh || !self.known.is_empty() {
-            f64::INFINITY
+        let deepest = if self.known.is_empty() {
+            self.farthest + self.unseen
         } else {
-            self.farthest
+            f64::INFINITY
         };
         let seen = self.see(&best);
         let seen = seen.filter(|f| f.gap <= self.farthest && f.gap >= -deepest);

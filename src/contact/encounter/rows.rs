@@ -86,7 +86,7 @@ impl Encounter {
                     }
                 },
                 farthest: self.manners.distance + reach.farthest,
-                fresh: self.fresh,
+                unseen: self.unseen,
                 touching: reach.touching,
             };
             let found = query.find();

@@ -12,10 +12,13 @@ use crate::body::state::Particle;
 use crate::law::plastic::{self, Yield};
 use crate::law::spring;
 use crate::solve::forces::{Happened, LimitEvent};
+use crate::solve::springs::Limit;
 
 /// What springs at their limits read and write in a pass.
 pub struct Limited<'a> {
     pub limits: Span<'a>,
+    /// By springs.
+    pub table: &'a [Limit<f32>],
     pub book: Book<'a>,
     /// Time since the last commit \[s\]; none where nothing is to be written.
     pub commit: Option<f32>,
@@ -42,9 +45,15 @@ pub struct Outcome {
 
 impl<'a> Limited<'a> {
     /// The whole of a body.
-    pub fn new(limits: Span<'a>, book: Book<'a>, commit: Option<f32>) -> Self {
+    pub fn new(
+        limits: Span<'a>,
+        table: &'a [Limit<f32>],
+        book: Book<'a>,
+        commit: Option<f32>,
+    ) -> Self {
         Self {
             limits,
+            table,
             book,
             commit,
             plastic: [0.0; LANES],
@@ -64,7 +73,7 @@ impl<'a> Limited<'a> {
         };
         let [limits, others] = self.limits.cut(slice, slot);
         let [log, rest] = log.cut(at);
-        let of = |limits, log| Self::new(limits, Book::Log(log), self.commit);
+        let of = |limits, log| Self::new(limits, self.table, Book::Log(log), self.commit);
         [Some(of(limits, log)), Some(of(others, rest))]
     }
 
@@ -226,7 +235,7 @@ impl Limited<'_> {
         (stiffness, rest): (V, V),
     ) -> (V, V) {
         let (slot, part) = (at.slot, at.part);
-        let Some(rows) = self.limits.limits() else {
+        let Some(rows) = self.limits.limits(self.table) else {
             return (V::ZERO, V::ZERO);
         };
         let rows = rows.slot(slot);
@@ -261,7 +270,7 @@ impl Limited<'_> {
             }
         } else if !self.limits.range(slot).is_known() {
             self.limits
-                .find_range::<V>(slot, table.stiffness_of(at.which));
+                .find_range::<V>(slot, self.table, table.stiffness_of(at.which));
         }
         let yields = flows & !flow.bits_above(V::ZERO);
         if (yields | breaks) & telling != 0 {

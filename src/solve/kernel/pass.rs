@@ -54,7 +54,7 @@ pub(crate) fn spring_forces(
         } else {
             Book::Events(events)
         };
-        Limited::new(limits.span(), book, commit)
+        Limited::new(limits.span(), &table.limits, book, commit)
     });
     let springs = Springs {
         table: nodes,

@@ -10,10 +10,9 @@ use std::collections::HashMap;
 pub struct Limits {
     /// Which spring; one behind the last for none.
     pub springs: Places,
-    /// Which of the limits that there are. Springs of one material and length share theirs, so that the pass finds them in
-    /// the nearest cache.
+    /// Where many springs have the same limits: which of those that there are, so that the pass finds them in the nearest cache.
     pub kinds: Places,
-    /// The last is that of no spring.
+    /// The last is that of no spring. Empty where most springs have limits of their own.
     pub palette: Vec<Limit<f32>>,
     /// Per slot one bit for each lane whose copy of a spring is the one that counts: that of the lower node.
     pub telling: Vec<u16>,
@@ -80,27 +79,33 @@ pub fn slack(limit: &Limit<f32>, stiffness: f32, rest: f32) -> f32 {
     }
 }
 
-/// The limits that there are, in the order in which they come first, so that the last is that of no spring, and which of them
-/// each spring has. What has broken counts as no spring.
+/// The limits that there are, the last that of no spring, and which of them each spring has, and none. Nothing where they are
+/// hardly fewer than the springs.
 pub fn palette(limits: &[Limit<f32>]) -> (Vec<Limit<f32>>, Vec<u32>) {
     let Some((none, limits)) = limits.split_last() else {
         return Default::default();
     };
     let mut palette = Vec::new();
     let mut known = HashMap::new();
-    let mut kinds: Vec<u32> = limits
-        .iter()
-        .map(|limit| {
-            *known.entry(limit.bits()).or_insert_with(|| {
-                palette.push(*limit);
-                palette.len() as u32 - 1
-            })
-        })
-        .collect();
+    let mut kinds = Vec::with_capacity(limits.len() + 1);
+    for limit in limits {
+        let next = palette.len() as u32;
+        let kind = *known.entry(limit.bits()).or_insert(next);
+        if kind == next {
+            palette.push(*limit);
+        }
+        kinds.push(kind);
+        if SHARED * palette.len() > limits.len().max(SHARED * SHARED) {
+            return Default::default();
+        }
+    }
     kinds.push(palette.len() as u32);
     palette.push(*none);
     (palette, kinds)
 }
+
+/// How many springs must have the same limits, in the mean, for a palette.
+const SHARED: usize = 8;
 
 impl Range {
     pub const UNKNOWN: Self = Self {
@@ -195,10 +200,14 @@ impl<'a> Span<'a> {
         ]
     }
 
-    /// The limits of springs by slots; there always are some.
+    /// The limits of springs by slots, where `table` has them by springs.
     #[inline(always)]
-    pub fn limits(&self) -> Option<Reader<'a, Limit<f32>>> {
-        self.kinds.of(self.palette)
+    pub fn limits(&self, table: &'a [Limit<f32>]) -> Option<Reader<'a, Limit<f32>>> {
+        if self.palette.is_empty() {
+            self.springs.of(table)
+        } else {
+            self.kinds.of(self.palette)
+        }
     }
 
     /// Whether a spring of a part of a slice was out of its range in the last pass.
@@ -258,8 +267,13 @@ impl<'a> Span<'a> {
 
     /// Finds the range of a slot, which lies within what the law allows by more than the law is rounded.
     #[inline(always)]
-    pub fn find_range<V: Vector>(&mut self, slot: usize, stiffness: &Wide) {
-        let Some(rows) = self.limits() else {
+    pub fn find_range<V: Vector>(
+        &mut self,
+        slot: usize,
+        table: &'a [Limit<f32>],
+        stiffness: &Wide,
+    ) {
+        let Some(rows) = self.limits(table) else {
             return;
         };
         let [mut most, mut least] = [V::of(f64::INFINITY), V::of(f64::NEG_INFINITY)];

@@ -100,7 +100,7 @@ struct Builder<'a> {
     links: &'a [Link<f32>],
     table: &'a [Limit<f32>],
     state: &'a State<f32>,
-    /// Per spring, and for none, which of the limits that there are.
+    /// Per spring, and for none, which of the limits that there are; empty without a palette of them.
     kinds: Vec<u32>,
     adjacency: Adjacency,
     damped: bool,
@@ -203,7 +203,9 @@ impl Sell {
                     state.rest[spring] = limits.rest[slot].0[lane];
                     state.flow[spring] = limits.flow[slot].0[lane];
                     limits.springs.set(slot, lane, springs);
-                    limits.kinds.set(slot, lane, limits.palette.len() - 1);
+                    if let Some(none) = limits.palette.len().checked_sub(1) {
+                        limits.kinds.set(slot, lane, none);
+                    }
                     limits.flow[slot].0[lane] = 0.0;
                     self.layout.far.set(slot, lane, node as usize);
                     limits.rest[slot].0[lane] = least_length();
@@ -368,7 +370,7 @@ impl Builder<'_> {
                 limits.slacks.resize(next as usize, none);
                 limits.slacks.push(slacks);
             }
-            limits.push_slot(ends, own, (&self.kinds, self.state), rest);
+            limits.push_slot(ends, own, (self, rest));
         }
     }
 
@@ -404,19 +406,20 @@ impl Limits {
         &mut self,
         ends: &Ends,
         own: impl Fn(usize) -> u32,
-        (kinds, state): (&[u32], &State<f32>),
-        rest: Wide,
+        (builder, rest): (&Builder, Wide),
     ) {
-        let none = kinds.len() as u32 - 1;
+        let none = builder.links.len() as u32;
         let springs = ends.map(|e| e.map_or(none, |(spring, _)| spring));
         self.springs.push(springs);
-        self.kinds
-            .push(springs.map(|spring| kinds[spring as usize]));
+        if !builder.kinds.is_empty() {
+            let kind = |spring: u32| builder.kinds[spring as usize];
+            self.kinds.push(springs.map(kind));
+        }
         let tells = |l: usize| ends[l].is_some_and(|(_, other)| own(l) < other);
         let bits = (0..LANES).map(|l| u16::from(tells(l)) << l);
         self.telling.push(bits.sum());
         self.flow.push(Wide(
-            ends.map(|e| e.map_or(0.0, |(s, _)| state.flow[s as usize])),
+            ends.map(|e| e.map_or(0.0, |(s, _)| builder.state.flow[s as usize])),
         ));
         self.rest.push(rest);
         self.ranges.push(Range::UNKNOWN);

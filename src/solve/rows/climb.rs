@@ -40,6 +40,7 @@ struct RowBefore {
     normal_impulse: f64,
     friction_impulse: DVec3,
     lift: Lift,
+    /// Velocities that are not as asked for \[m/s\].
     excess: f64,
     slip: DVec3,
 }
@@ -72,7 +73,7 @@ impl Attempt {
                 normal_impulse,
                 friction_impulse,
                 lift,
-                excess: pass.excess(row),
+                excess: pass.missed(row),
                 slip: pass.slip_of(row),
             }
         }));
@@ -90,7 +91,7 @@ impl Attempt {
             let row = &pass.contacts[before.row];
             let pressed = row.normal_impulse - before.normal_impulse;
             let rubbed = row.friction_impulse - before.friction_impulse;
-            pressed * (before.excess + pass.excess(before.row))
+            pressed * (before.excess + pass.missed(before.row))
                 + rubbed.dot(before.slip + pass.slip_of(before.row))
         });
         let ties = self.ties.iter().map(|before| {
@@ -120,7 +121,12 @@ impl Pass<'_> {
             friction_impulse,
             ..
         } = self.contacts[i];
-        normal_impulse * self.excess(i) + friction_impulse.dot(self.slip_of(i))
+        normal_impulse * self.missed(i) + friction_impulse.dot(self.slip_of(i))
+    }
+
+    /// By how much the normal velocity of a row exceeds what it is to be \[m/s\].
+    fn missed(&self, i: usize) -> f64 {
+        self.excess(i) - self.contacts[i].lift.speed
     }
 
     /// The same for a tie.

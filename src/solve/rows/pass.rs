@@ -10,7 +10,8 @@ use crate::law::row::{Lift, allowed_velocity, friction_impulse, normal_impulse, 
 use crate::math::{DMat3, DVec3, na};
 use crate::solve::shadow::Shadow;
 
-/// How much impulse a lift may take, in what gives a free body its speed.
+/// How much impulse a lift may take, in what gives a free body its speed: a body that rests on something has its weight to lift
+/// besides.
 const LIFT_IMPULSE: f64 = 6.0;
 
 impl Rows {
