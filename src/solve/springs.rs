@@ -102,7 +102,7 @@ impl<S: Scalar> SpringTable<S> {
                 (of_f32_mut::<_, SpringTable<f32>>(self), of_f32_mut(state))
                 && let Rows::Made(sell) = &mut table.rows
             {
-                sell.cut((spring, &table.links[spring]), table.links.len(), state);
+                sell.cut((spring, &table.links[spring]), &table.limits, state);
             }
         }
     }
@@ -133,33 +133,6 @@ impl SpringTable<f32> {
             sell.settle(state);
             self.rows = Rows::Later;
         }
-    }
-}
-
-impl Limit<f32> {
-    /// What tells it from others.
-    pub fn bits(&self) -> [u32; 6] {
-        let Self {
-            yields,
-            break_force,
-            break_length,
-            ..
-        } = *self;
-        let Yield {
-            tension,
-            compression,
-            hardening,
-            inverse,
-        } = yields;
-        [
-            tension,
-            compression,
-            hardening,
-            inverse,
-            break_force,
-            break_length,
-        ]
-        .map(f32::to_bits)
     }
 }
 

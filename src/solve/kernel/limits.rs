@@ -17,7 +17,6 @@ use crate::solve::springs::Limit;
 /// What springs at their limits read and write in a pass.
 pub struct Limited<'a> {
     pub limits: Span<'a>,
-    /// By springs.
     pub table: &'a [Limit<f32>],
     pub book: Book<'a>,
     /// Time since the last commit \[s\]; none where nothing is to be written.
@@ -235,7 +234,7 @@ impl Limited<'_> {
         (stiffness, rest): (V, V),
     ) -> (V, V) {
         let (slot, part) = (at.slot, at.part);
-        let Some(rows) = self.limits.limits(self.table) else {
+        let Some(rows) = self.limits.springs.of(self.table) else {
             return (V::ZERO, V::ZERO);
         };
         let rows = rows.slot(slot);

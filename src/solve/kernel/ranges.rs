@@ -1,19 +1,14 @@
 //! Springs with limits by slots, and in which range of elongation nothing happens to them.
 
 use super::table::BySlot;
-use super::vector::{Half, LANES, Places, Reader, Vector, Wide};
+use super::vector::{Half, LANES, Places, Vector, Wide};
 use crate::solve::springs::Limit;
-use std::collections::HashMap;
 
 /// What springs that yield or break have besides, per slot.
 #[derive(Clone, Debug)]
 pub struct Limits {
     /// Which spring; one behind the last for none.
     pub springs: Places,
-    /// Where many springs have the same limits: which of those that there are, so that the pass finds them in the nearest cache.
-    pub kinds: Places,
-    /// The last is that of no spring. Empty where most springs have limits of their own.
-    pub palette: Vec<Limit<f32>>,
     /// Per slot one bit for each lane whose copy of a spring is the one that counts: that of the lower node.
     pub telling: Vec<u16>,
     /// Rest length and accumulated flow \[m\].
@@ -34,8 +29,6 @@ pub struct Limits {
 /// The limits of some slices: what a pass changes of them is its own.
 pub struct Span<'a> {
     pub springs: &'a Places,
-    kinds: &'a Places,
-    palette: &'a [Limit<f32>],
     pub telling: &'a [u16],
     pub slacks: &'a [Wide],
     slots: BySlots<'a>,
@@ -79,34 +72,6 @@ pub fn slack(limit: &Limit<f32>, stiffness: f32, rest: f32) -> f32 {
     }
 }
 
-/// The limits that there are, the last that of no spring, and which of them each spring has, and none. Nothing where they are
-/// hardly fewer than the springs.
-pub fn palette(limits: &[Limit<f32>]) -> (Vec<Limit<f32>>, Vec<u32>) {
-    let Some((none, limits)) = limits.split_last() else {
-        return Default::default();
-    };
-    let mut palette = Vec::new();
-    let mut known = HashMap::new();
-    let mut kinds = Vec::with_capacity(limits.len() + 1);
-    for limit in limits {
-        let next = palette.len() as u32;
-        let kind = *known.entry(limit.bits()).or_insert(next);
-        if kind == next {
-            palette.push(*limit);
-        }
-        kinds.push(kind);
-        if SHARED * palette.len() > limits.len().max(SHARED * SHARED) {
-            return Default::default();
-        }
-    }
-    kinds.push(palette.len() as u32);
-    palette.push(*none);
-    (palette, kinds)
-}
-
-/// How many springs must have the same limits, in the mean, for a palette.
-const SHARED: usize = 8;
-
 impl Range {
     pub const UNKNOWN: Self = Self {
         least: f32::NAN,
@@ -137,8 +102,6 @@ impl Limits {
     pub fn span(&mut self) -> Span<'_> {
         Span {
             springs: &self.springs,
-            kinds: &self.kinds,
-            palette: &self.palette,
             telling: &self.telling,
             slacks: &self.slacks,
             slots: BySlots {
@@ -169,8 +132,6 @@ impl<'a> Span<'a> {
         let (unsaved, rest_unsaved) = slices.unsaved.split_at_mut(slice - slices.first);
         let span = |slots, slices| Self {
             springs: self.springs,
-            kinds: self.kinds,
-            palette: self.palette,
             telling: self.telling,
             slacks: self.slacks,
             slots,
@@ -198,16 +159,6 @@ impl<'a> Span<'a> {
                 by_slices(slice, busies, others, rest_unsaved),
             ),
         ]
-    }
-
-    /// The limits of springs by slots, where `table` has them by springs.
-    #[inline(always)]
-    pub fn limits(&self, table: &'a [Limit<f32>]) -> Option<Reader<'a, Limit<f32>>> {
-        if self.palette.is_empty() {
-            self.springs.of(table)
-        } else {
-            self.kinds.of(self.palette)
-        }
     }
 
     /// Whether a spring of a part of a slice was out of its range in the last pass.
@@ -267,13 +218,8 @@ impl<'a> Span<'a> {
 
     /// Finds the range of a slot, which lies within what the law allows by more than the law is rounded.
     #[inline(always)]
-    pub fn find_range<V: Vector>(
-        &mut self,
-        slot: usize,
-        table: &'a [Limit<f32>],
-        stiffness: &Wide,
-    ) {
-        let Some(rows) = self.limits(table) else {
+    pub fn find_range<V: Vector>(&mut self, slot: usize, table: &[Limit<f32>], stiffness: &Wide) {
+        let Some(rows) = self.springs.of(table) else {
             return;
         };
         let [mut most, mut least] = [V::of(f64::INFINITY), V::of(f64::NEG_INFINITY)];

@@ -18,7 +18,7 @@ use super::limits::Outcome;
 use super::log::Log;
 use super::mirror::Mirror;
 use super::order::Adjacency;
-use super::ranges::{Limits, Range, palette, slack};
+use super::ranges::{Limits, Range, slack};
 use super::regular;
 use super::vector::{LANES, Places, Starts, Wide};
 use crate::body::state::State;
@@ -100,8 +100,6 @@ struct Builder<'a> {
     links: &'a [Link<f32>],
     table: &'a [Limit<f32>],
     state: &'a State<f32>,
-    /// Per spring, and for none, which of the limits that there are; empty without a palette of them.
-    kinds: Vec<u32>,
     adjacency: Adjacency,
     damped: bool,
     distinct: HashMap<[[u32; LANES]; 4], u32>,
@@ -127,12 +125,10 @@ impl Sell {
             Some(_) => (0..nodes as u32).collect(),
             None => adjacency.rows(),
         };
-        let (palette, kinds) = palette(limits);
         let mut builder = Builder {
             links,
             table: limits,
             state,
-            kinds,
             adjacency,
             damped: links.iter().any(|l| l.damping != 0.0),
             distinct: HashMap::new(),
@@ -141,7 +137,7 @@ impl Sell {
             layout: Layout::empty(&order)?,
             limits: match limits.is_empty() {
                 true => None,
-                false => Some(Limits::none(limits.len(), palette)?),
+                false => Some(Limits::none(limits.len())?),
             },
             mirror: Mirror::default(),
             sums: Sums::default(),
@@ -185,11 +181,11 @@ impl Sell {
         }
     }
 
-    /// Takes all force from a spring that has limits, one of so many, and writes to the state how it was.
+    /// Takes all force from a spring that has limits, and writes to the state how it was.
     pub(crate) fn cut(
         &mut self,
         (spring, link): (usize, &Link<f32>),
-        springs: usize,
+        table: &[Limit<f32>],
         state: &mut State<f32>,
     ) {
         let Some(limits) = &mut self.limits else {
@@ -202,10 +198,7 @@ impl Sell {
                 if limits.springs.row(slot, lane) == spring {
                     state.rest[spring] = limits.rest[slot].0[lane];
                     state.flow[spring] = limits.flow[slot].0[lane];
-                    limits.springs.set(slot, lane, springs);
-                    if let Some(none) = limits.palette.len().checked_sub(1) {
-                        limits.kinds.set(slot, lane, none);
-                    }
+                    limits.springs.set(slot, lane, table.len() - 1);
                     limits.flow[slot].0[lane] = 0.0;
                     self.layout.far.set(slot, lane, node as usize);
                     limits.rest[slot].0[lane] = least_length();
@@ -233,8 +226,7 @@ impl Sell {
             let by_slot = wide(&limits.rest) + size_of_val(&limits.ranges[..]);
             *(if regular { &mut rare } else { &mut hot }) += by_slot;
             hot += wide(&limits.slacks);
-            rare += wide(&limits.flow) + limits.springs.bytes() + limits.kinds.bytes();
-            rare += size_of_val(&limits.palette[..]);
+            rare += wide(&limits.flow) + limits.springs.bytes();
             rare += size_of_val(&limits.telling[..]);
         }
         [hot, hot + rare]
@@ -370,7 +362,7 @@ impl Builder<'_> {
                 limits.slacks.resize(next as usize, none);
                 limits.slacks.push(slacks);
             }
-            limits.push_slot(ends, own, (self, rest));
+            limits.push_slot(ends, own, (self.links.len(), self.state), rest);
         }
     }
 
@@ -386,11 +378,9 @@ impl Builder<'_> {
 }
 
 impl Limits {
-    fn none(springs: usize, palette: Vec<Limit<f32>>) -> Option<Self> {
+    fn none(springs: usize) -> Option<Self> {
         Some(Self {
             springs: Places::new(springs)?,
-            kinds: Places::new(palette.len())?,
-            palette,
             telling: Vec::new(),
             rest: Vec::new(),
             flow: Vec::new(),
@@ -406,20 +396,16 @@ impl Limits {
         &mut self,
         ends: &Ends,
         own: impl Fn(usize) -> u32,
-        (builder, rest): (&Builder, Wide),
+        (none, state): (usize, &State<f32>),
+        rest: Wide,
     ) {
-        let none = builder.links.len() as u32;
-        let springs = ends.map(|e| e.map_or(none, |(spring, _)| spring));
+        let springs = ends.map(|e| e.map_or(none as u32, |(spring, _)| spring));
         self.springs.push(springs);
-        if !builder.kinds.is_empty() {
-            let kind = |spring: u32| builder.kinds[spring as usize];
-            self.kinds.push(springs.map(kind));
-        }
         let tells = |l: usize| ends[l].is_some_and(|(_, other)| own(l) < other);
         let bits = (0..LANES).map(|l| u16::from(tells(l)) << l);
         self.telling.push(bits.sum());
         self.flow.push(Wide(
-            ends.map(|e| e.map_or(0.0, |(s, _)| builder.state.flow[s as usize])),
+            ends.map(|e| e.map_or(0.0, |(s, _)| state.flow[s as usize])),
         ));
         self.rest.push(rest);
         self.ranges.push(Range::UNKNOWN);
