@@ -8,7 +8,8 @@
 //!
 //! What came late could be an early impulse backwards and all the more force, which moves a free body just so. But a body
 //! that has struck the ground before a node that it holds does must do so in Rapier's step too, and not be turned away from
-//! it before: it gets what came late at the end.
+//! it before: it gets what came late at the end. No contact answers that in this step, so such a split is judged by the
+//! velocity it leaves as well.
 
 use super::RapierParts;
 use super::group::Touched;
@@ -132,8 +133,7 @@ impl Group {
         for row in &mut joints {
             row.impulses = Default::default();
         }
-        let free = (h, PASSES, SETTLED);
-        solve_between_shadows(&mut [], &mut joints, &mut shadows, free);
+        solve_between_shadows(&mut [], &mut joints, &mut shadows, (h, PASSES, SETTLED));
         shadows
     }
 }

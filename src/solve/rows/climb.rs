@@ -4,8 +4,8 @@
 //! goes down ½·λ·A·λ + λ·(u − a). What starts at zero and only descends ends below zero: it takes energy and gives none,
 //! but for what the a ask for. A guess that went uphill is known by this, whatever else it has settled.
 
+use super::Row;
 use super::pass::Pass;
-use super::{Row, Tie};
 use crate::law::row::Lift;
 use crate::math::DVec3;
 
@@ -124,15 +124,14 @@ impl Pass<'_> {
         normal_impulse * self.missed(i) + friction_impulse.dot(self.slip_of(i))
     }
 
-    /// By how much the normal velocity of a row exceeds what it is to be \[m/s\].
-    fn missed(&self, i: usize) -> f64 {
-        self.excess(i) - self.contacts[i].lift.speed
-    }
-
     /// The same for a tie.
     pub fn tie_slope(&self, i: usize) -> f64 {
-        let Tie { impulse, .. } = self.ties[i];
-        impulse.dot(self.tie_error(i))
+        self.ties[i].impulse.dot(self.tie_error(i))
+    }
+
+    /// By how much the normal velocity of a row exceeds what it is to be, with its lift \[m/s\].
+    fn missed(&self, i: usize) -> f64 {
+        self.excess(i) - self.contacts[i].lift.speed
     }
 
     /// Gives a row other impulses.
