@@ -20,6 +20,13 @@ pub struct Yield<S> {
     pub inverse: S,
 }
 
+/// 1/(k + H) \[m/N\], and 0 for a spring without stiffness.
+#[inline(always)]
+pub fn inverse<S: Number>(stiffness: S, hardening: S) -> S {
+    let sum = stiffness + hardening;
+    S::above(sum, S::ZERO, S::ONE / sum, S::ZERO)
+}
+
 /// The outcome of a return mapping.
 #[derive(Clone, Copy, Debug)]
 pub struct Mapped<S> {

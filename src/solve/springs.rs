@@ -2,7 +2,7 @@
 
 use crate::body::net::Spring;
 use crate::body::state::State;
-use crate::law::plastic::Yield;
+use crate::law::plastic::{self, Yield};
 use crate::math::{Real, Scalar};
 use crate::solve::forces::LimitEvent;
 use crate::solve::kernel::{Sell, of_f32_mut};
@@ -34,8 +34,7 @@ pub(crate) struct Limit<S> {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SpringTable<S> {
     pub links: Vec<Link<S>>,
-    /// Empty when no spring of the body yields or breaks; else one for each spring and one more, that of no spring, which never
-    /// does.
+    /// Empty when no spring of the body yields or breaks.
     pub limits: Vec<Limit<S>>,
     /// Whether any spring is damped.
     pub damped: bool,
@@ -69,8 +68,7 @@ impl<S: Scalar> SpringTable<S> {
         let mut table = Self {
             links: springs.iter().map(link).collect(),
             limits: if limited {
-                let none = std::iter::once(Limit::NEVER);
-                springs.iter().map(limit).chain(none).collect()
+                springs.iter().map(limit).collect()
             } else {
                 Vec::new()
             },
@@ -102,7 +100,7 @@ impl<S: Scalar> SpringTable<S> {
                 (of_f32_mut::<_, SpringTable<f32>>(self), of_f32_mut(state))
                 && let Rows::Made(sell) = &mut table.rows
             {
-                sell.cut((spring, &table.links[spring]), &table.limits, state);
+                sell.cut((spring, &table.links[spring]), state);
             }
         }
     }
@@ -146,7 +144,7 @@ impl<S: Scalar> Limit<S> {
     }
 
     /// Of a spring that never yields or breaks.
-    const NEVER: Self = Self {
+    pub const NEVER: Self = Self {
         yields: Yield {
             tension: S::INFINITY,
             compression: S::INFINITY,
@@ -174,13 +172,13 @@ fn link<S: Scalar>(s: &Spring) -> Link<S> {
 
 fn limit<S: Scalar>(s: &Spring) -> Limit<S> {
     let rest = f64::from(s.rest_length.unwrap_or(0.0));
-    let sum = f64::from(s.stiffness) + f64::from(s.hardening);
+    let hardening = real(s.hardening);
     Limit {
         yields: Yield {
             tension: real(s.yield_tension),
             compression: real(s.yield_compression),
-            hardening: real(s.hardening),
-            inverse: if sum > 0.0 { S::of(1.0 / sum) } else { S::ZERO },
+            hardening,
+            inverse: plastic::inverse(real(s.stiffness), hardening),
         },
         break_force: real(s.break_force),
         break_length: S::of(rest * (1.0 + f64::from(s.break_strain))),

@@ -1,23 +1,23 @@
 //! Springs at their limits.
 //!
 //! A part of a slice is computed as if no spring had any; if then one was out of its range, all is computed again, by a function
-//! of its own that asks the law of plasticity wherever it may matter. So the usual loop has neither a branch nor a call.
+//! of its own that asks the law of plasticity for every spring, now and until none has flowed for a while. So the usual loop has
+//! neither a branch nor a call, and the other one no branch that could not be foreseen: where springs swing about their yield
+//! force, to guess wrong and then wait for constants took longer than the law.
 
 use super::log::{self, Entry};
+use super::palette::Columns;
 use super::pass::{Nodes, Trial, add_springs};
 use super::ranges::Span;
 use super::table::{End, Table, Untouched};
-use super::vector::{Aside, Half, LANES, Runs, Slot, Vector, Wide};
-use crate::body::state::Particle;
-use crate::law::plastic::{self, Yield};
+use super::vector::{Aside, LANES, Runs, Vector, Wide};
+use crate::law::plastic;
 use crate::law::spring;
 use crate::solve::forces::{Happened, LimitEvent};
-use crate::solve::springs::Limit;
 
 /// What springs at their limits read and write in a pass.
 pub struct Limited<'a> {
     pub limits: Span<'a>,
-    pub table: &'a [Limit<f32>],
     pub book: Book<'a>,
     /// Time since the last commit \[s\]; none where nothing is to be written.
     pub commit: Option<f32>,
@@ -44,15 +44,9 @@ pub struct Outcome {
 
 impl<'a> Limited<'a> {
     /// The whole of a body.
-    pub fn new(
-        limits: Span<'a>,
-        table: &'a [Limit<f32>],
-        book: Book<'a>,
-        commit: Option<f32>,
-    ) -> Self {
+    pub fn new(limits: Span<'a>, book: Book<'a>, commit: Option<f32>) -> Self {
         Self {
             limits,
-            table,
             book,
             commit,
             plastic: [0.0; LANES],
@@ -72,7 +66,7 @@ impl<'a> Limited<'a> {
         };
         let [limits, others] = self.limits.cut(slice, slot);
         let [log, rest] = log.cut(at);
-        let of = |limits, log| Self::new(limits, self.table, Book::Log(log), self.commit);
+        let of = |limits, log| Self::new(limits, Book::Log(log), self.commit);
         [Some(of(limits, log)), Some(of(others, rest))]
     }
 
@@ -150,6 +144,37 @@ impl<V: Vector, const DAMPED: bool> Aside<V> for AtLimits<'_, '_, V, DAMPED> {
 
     #[inline(always)]
     fn run(self) -> Nodes<V> {
+        match self.limited.commit {
+            Some(h) => self.commit(V::of(h.into())),
+            None => self.try_out(),
+        }
+    }
+}
+
+impl<V: Vector, const DAMPED: bool> AtLimits<'_, '_, V, DAMPED> {
+    /// Forces in the midst of a substep: nothing is written.
+    #[inline(always)]
+    fn try_out(self) -> Nodes<V> {
+        let (part, mut nodes) = (self.part, self.nodes);
+        let limits = &self.limited.limits;
+        for (slot, far, which) in self.table.slots(self.slice) {
+            let trial = Trial::new(nodes.at, &far, part, V::load(limits.rest(slot), part));
+            let stiffness = self.table.stiffness(which, part);
+            let law = limits.palette.columns(slot, part, stiffness);
+            let flow = V::load(limits.flow(slot), part);
+            let mapped = plastic::return_map(stiffness, trial.elongation, flow, &law.yields);
+            nodes.pull(&trial, mapped.tension);
+            if DAMPED {
+                let rate = nodes.rate(&trial, &far, part);
+                nodes.damp(&trial, rate, self.table.damping(which, part));
+            }
+        }
+        nodes
+    }
+
+    /// Forces at the end of a substep of h \[s\]: springs flow and break.
+    #[inline(always)]
+    fn commit(self, h: V) -> Nodes<V> {
         let Self {
             limited,
             table,
@@ -158,60 +183,78 @@ impl<V: Vector, const DAMPED: bool> Aside<V> for AtLimits<'_, '_, V, DAMPED> {
             mut nodes,
         } = self;
         limited.limits.touch(slice);
-        let own = table.own(slice);
         if !DAMPED {
-            nodes.velocity = own.velocity(part);
+            nodes.velocity = table.own(slice).velocity(part);
         }
-        let mut busy = false;
+        let (mut flowed, mut broke) = (0, 0);
         for (slot, far, which) in table.slots(slice) {
             let rest = V::load(limited.limits.rest(slot), part);
             let trial = Trial::new(nodes.at, &far, part, rest);
             let stiffness = table.stiffness(which, part);
-            let mut tension = spring::tension(stiffness, trial.elongation);
-            let mut held = V::ONE;
-            let range = limited.limits.range(slot);
-            let within = range.keep(V::ONE, trial.elongation, rest);
-            if !within.all_above(V::ZERO) {
-                busy = true;
-                let slots = Slots {
+            let law = limited.limits.palette.columns(slot, part, stiffness);
+            let flow = V::load(limited.limits.flow(slot), part);
+            let mapped = plastic::return_map(stiffness, trial.elongation, flow, &law.yields);
+            let amount = mapped.flow.abs();
+            let flows = amount.bits_above(V::ZERO);
+            (rest + mapped.flow).store(limited.limits.rest_mut(slot), part);
+            (flow + amount).store(limited.limits.flow_mut(slot), part);
+            let mut rate = V::ZERO;
+            if DAMPED || flows != 0 {
+                rate = nodes.rate(&trial, &far, part);
+            }
+            // The trapezoid, as for every other work: the tension of the last commit follows from the rate.
+            let last = stiffness * (trial.elongation - h * rate);
+            limited.add_work(part, plastic::work(last, &mapped));
+            let (breaks, held) = law.breaks(&trial, mapped.tension);
+            let yields = flows & !flow.bits_above(V::ZERO);
+            if yields | breaks != 0 {
+                let lanes = Lanes {
                     slot,
-                    part,
-                    which,
-                    far,
+                    first: part * V::LANES,
+                    yields,
+                    breaks,
                 };
-                (tension, held) = limited.answer(table, &slots, &nodes, &trial, (stiffness, rest));
+                let energy = spring::energy(stiffness, trial.elongation - mapped.flow);
+                limited.tell(&lanes, &wide(mapped.tension), &wide(energy));
             }
-            nodes.pull(&trial, tension);
+            nodes.pull(&trial, V::above(held, V::ZERO, mapped.tension, V::ZERO));
             if DAMPED {
-                let rate = nodes.rate(&trial, &far, part);
-                nodes.damp(&trial, rate, table.damping::<V>(which, part) * held);
+                let viscosity = V::above(held, V::ZERO, table.damping(which, part), V::ZERO);
+                nodes.damp(&trial, rate, viscosity);
             }
+            flowed |= flows;
+            broke |= breaks;
         }
-        limited.limits.set_busy(slice, part, busy);
-        if busy && limited.commit.is_some() {
+        if flowed != 0 {
             limited.limits.set_unsaved(slice);
+        }
+        if limited.limits.calm(slice, part, flowed | broke == 0) {
+            for (slot, _, which) in table.slots(slice) {
+                let stiffness = table.stiffness(which, part);
+                limited.limits.find_range::<V>(slot, part, stiffness);
+            }
         }
         nodes
     }
 }
 
-/// Where springs are.
-struct Slots<'a> {
-    slot: usize,
-    part: usize,
-    which: usize,
-    far: Slot<'a, Particle<f32>>,
+impl<V: Vector> Columns<V> {
+    /// Which lanes break, and 1 for those that hold, 0 for others.
+    #[inline(always)]
+    fn breaks(&self, trial: &Trial<V>, tension: V) -> (u32, V) {
+        let held = V::above(trial.length, self.break_length, V::ZERO, V::ONE);
+        let held = V::above(tension, self.break_force, V::ZERO, held);
+        (V::ONE.bits_above(held), held)
+    }
 }
 
-/// What the law says of springs that break, or flow for the first time.
-struct Answers {
-    tension: Wide,
-    energy: Wide,
-    /// One bit for each lane.
+/// Springs of a part of a slot that break, or flow for the first time: one bit for each lane.
+struct Lanes {
+    slot: usize,
+    /// The first lane of the part.
+    first: usize,
     yields: u32,
     breaks: u32,
-    /// How many lanes there are.
-    lanes: usize,
 }
 
 /// The lanes of a vector in the first places.
@@ -223,93 +266,30 @@ fn wide<V: Vector>(value: V) -> Wide {
 }
 
 impl Limited<'_> {
-    /// Tension of springs \[N\], and 1 where they hold, 0 where they break.
+    /// Adds plastic work \[J\]. Both ends of a spring find the same, and each has a half.
     #[inline(always)]
-    fn answer<V: Vector>(
-        &mut self,
-        table: &Table,
-        at: &Slots,
-        nodes: &Nodes<V>,
-        trial: &Trial<V>,
-        (stiffness, rest): (V, V),
-    ) -> (V, V) {
-        let (slot, part) = (at.slot, at.part);
-        let Some(rows) = self.limits.springs.of(self.table) else {
-            return (V::ZERO, V::ZERO);
-        };
-        let rows = rows.slot(slot);
-        let [tension, compression, hardening, inverse] = rows.columns(part, Half::First);
-        let [break_force, break_length, ..] = rows.columns(part, Half::Second);
-        let yields = Yield {
-            tension,
-            compression,
-            hardening,
-            inverse,
-        };
-        let flow = V::load(self.limits.flow(slot), part);
-        let mapped = plastic::return_map(stiffness, trial.elongation, flow, &yields);
-        let Some(h) = self.commit else {
-            return (mapped.tension, V::ONE);
-        };
-        let flows = mapped.flow.abs().bits_above(V::ZERO);
-        let breaks = mapped.tension.bits_above(break_force) | trial.length.bits_above(break_length);
-        // Both ends of a spring find the same. That of the lower node tells of events; of plastic work each has a half.
-        let telling = u32::from(self.limits.telling[slot]) >> (part * V::LANES);
-        if flows != 0 {
-            (rest + mapped.flow).store(self.limits.rest(slot), part);
-            (flow + mapped.flow.abs()).store(self.limits.flow(slot), part);
-            self.limits.range(slot).forget();
-            // The trapezoid, as for every other work: the tension of the last commit follows from the rate.
-            let rate = nodes.rate(trial, &at.far, part);
-            let last = stiffness * (trial.elongation - V::of(h.into()) * rate);
-            let work = wide(plastic::work(last, &mapped));
-            let sums = &mut self.plastic[part * V::LANES..][..V::LANES];
-            for (sum, work) in sums.iter_mut().zip(&work.0) {
-                *sum += 0.5 * f64::from(*work);
-            }
-        } else if !self.limits.range(slot).is_known() {
-            self.limits
-                .find_range::<V>(slot, self.table, table.stiffness_of(at.which));
+    fn add_work<V: Vector>(&mut self, part: usize, work: V) {
+        let work = wide(work);
+        let sums = &mut self.plastic[part * V::LANES..][..V::LANES];
+        for (sum, work) in sums.iter_mut().zip(&work.0) {
+            *sum += 0.5 * f64::from(*work);
         }
-        let yields = flows & !flow.bits_above(V::ZERO);
-        if (yields | breaks) & telling != 0 {
-            self.tell(
-                at,
-                &Answers {
-                    tension: wide(mapped.tension),
-                    energy: wide(spring::energy(stiffness, trial.elongation - mapped.flow)),
-                    yields: yields & telling,
-                    breaks: breaks & telling,
-                    lanes: V::LANES,
-                },
-            );
-        }
-        if breaks == 0 {
-            return (mapped.tension, V::ONE);
-        }
-        let unbroken = |value: V| {
-            let held = V::above(trial.length, break_length, V::ZERO, value);
-            V::above(mapped.tension, break_force, V::ZERO, held)
-        };
-        (unbroken(mapped.tension), unbroken(V::ONE))
     }
 
-    /// Writes down what happened to springs.
-    #[inline(always)]
-    fn tell(&mut self, at: &Slots, outcome: &Answers) {
-        let mut bits = outcome.yields | outcome.breaks;
-        while bits != 0 {
-            let l = bits.trailing_zeros() as usize;
-            bits &= bits - 1;
+    /// Writes down what happened to springs, with their tensions \[N\] and energies \[J\]. The end that counts tells of it.
+    #[cold]
+    #[inline(never)]
+    fn tell(&mut self, lanes: &Lanes, tension: &Wide, energy: &Wide) {
+        for l in (0..LANES).filter(|l| (lanes.yields | lanes.breaks) >> l & 1 == 1) {
+            let Some(spring) = self.limits.telling.spring(lanes.slot, lanes.first + l) else {
+                continue;
+            };
             let entry = Entry {
-                spring: self
-                    .limits
-                    .springs
-                    .row(at.slot, at.part * outcome.lanes + l) as u32,
-                yielded: outcome.yields >> l & 1 == 1,
-                broke: outcome.breaks >> l & 1 == 1,
-                tension: outcome.tension.0[l],
-                energy: outcome.energy.0[l],
+                spring,
+                yielded: lanes.yields >> l & 1 == 1,
+                broke: lanes.breaks >> l & 1 == 1,
+                tension: tension.0[l],
+                energy: energy.0[l],
             };
             if entry.broke {
                 self.fracture += f64::from(entry.energy);

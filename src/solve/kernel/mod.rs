@@ -17,13 +17,16 @@ mod limits;
 mod log;
 mod mirror;
 mod order;
+mod palette;
 mod pass;
 mod ranges;
 mod rates;
 mod regular;
 pub mod roof;
 mod sell;
+mod settle;
 mod table;
+mod telling;
 #[cfg(test)]
 mod tests;
 mod vector;

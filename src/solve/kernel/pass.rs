@@ -49,12 +49,12 @@ pub(crate) fn spring_forces(
     }
     let limited = limits.as_mut().map(|limits| {
         let book = if parts > 1 {
-            sums.log.prepare(layout, &limits.telling);
+            sums.log.prepare(layout, &limits.telling.lanes);
             Book::Log(sums.log.part())
         } else {
             Book::Events(events)
         };
-        Limited::new(limits.span(), &table.limits, book, commit)
+        Limited::new(limits.span(Width::of(kernel)), book, commit)
     });
     let springs = Springs {
         table: nodes,

@@ -1,24 +1,27 @@
 //! Springs with limits by slots, and in which range of elongation nothing happens to them.
 
+use super::palette::Palette;
 use super::table::BySlot;
-use super::vector::{Half, LANES, Places, Vector, Wide};
+use super::telling::Telling;
+use super::vector::Width;
+use super::vector::{LANES, Vector, Wide};
 use crate::solve::springs::Limit;
 
 /// What springs that yield or break have besides, per slot.
 #[derive(Clone, Debug)]
 pub struct Limits {
-    /// Which spring; one behind the last for none.
-    pub springs: Places,
-    /// Per slot one bit for each lane whose copy of a spring is the one that counts: that of the lower node.
-    pub telling: Vec<u16>,
+    pub palette: Palette,
+    pub telling: Telling,
     /// Rest length and accumulated flow \[m\].
     pub rest: Vec<Wide>,
     pub flow: Vec<Wide>,
-    pub ranges: Vec<Range>,
+    pub ranges: Vec<Ranges>,
     /// Per set of constants the slack of each lane, see [`slack`]. Empty where no slice is regular.
     pub slacks: Vec<Wide>,
-    /// Per part of a slice whether a spring was out of its range in the last pass.
-    pub busy: Vec<[bool; 4]>,
+    /// For which width parts of slices, and ranges, are what they are.
+    pub width: Option<Width>,
+    /// Per part of a slice how many passes in which nothing flows are to come before its springs have ranges again.
+    pub busy: Vec<[u8; 4]>,
     /// Per slice whether it is regular and no spring of it has ever gone beyond its slack, so that all have the rest lengths of
     /// the constants.
     pub untouched: Vec<bool>,
@@ -28,8 +31,8 @@ pub struct Limits {
 
 /// The limits of some slices: what a pass changes of them is its own.
 pub struct Span<'a> {
-    pub springs: &'a Places,
-    pub telling: &'a [u16],
+    pub palette: &'a Palette,
+    pub telling: &'a Telling,
     pub slacks: &'a [Wide],
     slots: BySlots<'a>,
     slices: BySlices<'a>,
@@ -40,24 +43,36 @@ struct BySlots<'a> {
     first: usize,
     rest: &'a mut [Wide],
     flow: &'a mut [Wide],
-    ranges: &'a mut [Range],
+    ranges: &'a mut [Ranges],
 }
 
 /// Of the slices from one on.
 struct BySlices<'a> {
     first: usize,
-    busy: &'a mut [[bool; 4]],
+    busy: &'a mut [[u8; 4]],
     untouched: &'a mut [bool],
     unsaved: &'a mut [bool],
 }
 
-/// No spring of a slot flows or breaks while its elongation over its rest length lies between these two; NaN where they are not
-/// known.
+/// No spring of half a slot flows or breaks while its elongation over its rest length lies between these two. Empty where that
+/// is not known, and without meaning where the part of the slice is busy.
 #[derive(Clone, Copy, Debug)]
 pub struct Range {
     least: f32,
     most: f32,
 }
+
+/// Of both halves; of the whole slot where it is not cut into parts.
+pub type Ranges = [Range; 2];
+
+/// In which half of a slot a part lies.
+#[inline(always)]
+pub fn half<V: Vector>(part: usize) -> usize {
+    part * V::LANES / (LANES / 2)
+}
+
+/// After so many passes in which nothing flows a part of a slice is calm: a range costs about two passes to find.
+pub const CALM: u8 = 8;
 
 /// By how much a spring may be longer or shorter than at rest, at most, while nothing happens to it \[m\], if it has not flowed:
 /// less than the law allows by more than the law is rounded.
@@ -74,8 +89,8 @@ pub fn slack(limit: &Limit<f32>, stiffness: f32, rest: f32) -> f32 {
 
 impl Range {
     pub const UNKNOWN: Self = Self {
-        least: f32::NAN,
-        most: f32::NAN,
+        least: f32::INFINITY,
+        most: f32::NEG_INFINITY,
     };
 
     /// What was `within`, or 0 for elongations out of range.
@@ -85,23 +100,19 @@ impl Range {
         let within = V::above(most, elongation, within, V::ZERO);
         V::above(elongation, least, within, V::ZERO)
     }
-
-    #[inline(always)]
-    pub fn forget(&mut self) {
-        *self = Self::UNKNOWN;
-    }
-
-    #[inline(always)]
-    pub fn is_known(&self) -> bool {
-        !self.most.is_nan()
-    }
 }
 
 impl Limits {
-    /// All of them.
-    pub fn span(&mut self) -> Span<'_> {
+    /// All of them, for a pass of this width.
+    pub fn span(&mut self, width: Width) -> Span<'_> {
+        if self.width.replace(width) != Some(width) {
+            let slices = self.busy.iter_mut().zip(&self.untouched);
+            for (busy, _) in slices.filter(|(_, untouched)| !**untouched) {
+                *busy = [CALM; 4];
+            }
+        }
         Span {
-            springs: &self.springs,
+            palette: &self.palette,
             telling: &self.telling,
             slacks: &self.slacks,
             slots: BySlots {
@@ -131,7 +142,7 @@ impl<'a> Span<'a> {
         let (untouched, others) = slices.untouched.split_at_mut(slice - slices.first);
         let (unsaved, rest_unsaved) = slices.unsaved.split_at_mut(slice - slices.first);
         let span = |slots, slices| Self {
-            springs: self.springs,
+            palette: self.palette,
             telling: self.telling,
             slacks: self.slacks,
             slots,
@@ -161,15 +172,19 @@ impl<'a> Span<'a> {
         ]
     }
 
-    /// Whether a spring of a part of a slice was out of its range in the last pass.
+    /// Whether springs of a part of a slice have flowed lately.
     #[inline(always)]
     pub fn is_busy(&self, slice: usize, part: usize) -> bool {
-        self.slices.busy[slice - self.slices.first][part]
+        self.slices.busy[slice - self.slices.first][part] > 0
     }
 
+    /// Notes whether something flowed, and says whether springs are to have ranges from now on.
     #[inline(always)]
-    pub fn set_busy(&mut self, slice: usize, part: usize, busy: bool) {
-        self.slices.busy[slice - self.slices.first][part] = busy;
+    pub fn calm(&mut self, slice: usize, part: usize, calm: bool) -> bool {
+        let busy = &mut self.slices.busy[slice - self.slices.first][part];
+        // What was out of its range though nothing flowed would be so again.
+        *busy = if calm && *busy > 0 { *busy - 1 } else { CALM };
+        *busy == 0
     }
 
     /// Whether a slice is regular and no spring of it has gone beyond its slack.
@@ -178,9 +193,13 @@ impl<'a> Span<'a> {
         self.slices.untouched[slice - self.slices.first]
     }
 
+    /// Notes that it is so no longer.
     #[inline(always)]
     pub fn touch(&mut self, slice: usize) {
-        self.slices.untouched[slice - self.slices.first] = false;
+        let slice = slice - self.slices.first;
+        if std::mem::take(&mut self.slices.untouched[slice]) {
+            self.slices.busy[slice] = [CALM; 4];
+        }
     }
 
     /// Notes that springs of a slice may have flowed.
@@ -199,49 +218,50 @@ impl<'a> Span<'a> {
         }
     }
 
-    #[inline(always)]
-    pub fn range(&mut self, slot: usize) -> &mut Range {
-        &mut self.slots.ranges[slot - self.slots.first]
-    }
-
     /// Rest lengths of a slot \[m\].
     #[inline(always)]
-    pub fn rest(&mut self, slot: usize) -> &mut Wide {
+    pub fn rest(&self, slot: usize) -> &Wide {
+        &self.slots.rest[slot - self.slots.first]
+    }
+
+    /// The same to write to.
+    #[inline(always)]
+    pub fn rest_mut(&mut self, slot: usize) -> &mut Wide {
         &mut self.slots.rest[slot - self.slots.first]
     }
 
     /// Accumulated flow of a slot \[m\].
     #[inline(always)]
-    pub fn flow(&mut self, slot: usize) -> &mut Wide {
+    pub fn flow(&self, slot: usize) -> &Wide {
+        &self.slots.flow[slot - self.slots.first]
+    }
+
+    /// The same to write to.
+    #[inline(always)]
+    pub fn flow_mut(&mut self, slot: usize) -> &mut Wide {
         &mut self.slots.flow[slot - self.slots.first]
     }
 
-    /// Finds the range of a slot, which lies within what the law allows by more than the law is rounded.
+    /// Finds the range of a part of a slot, which lies within what the law allows by more than the law is rounded.
     #[inline(always)]
-    pub fn find_range<V: Vector>(&mut self, slot: usize, table: &[Limit<f32>], stiffness: &Wide) {
-        let Some(rows) = self.springs.of(table) else {
+    pub fn find_range<V: Vector>(&mut self, slot: usize, part: usize, stiffness: V) {
+        if V::LANES < LANES / 2 {
+            // Parts that share a half would have to agree. No pass over springs is so narrow.
             return;
-        };
-        let [mut most, mut least] = [V::of(f64::INFINITY), V::of(f64::NEG_INFINITY)];
-        let mut shortest = V::of(f64::INFINITY);
-        for part in 0..LANES / V::LANES {
-            let limits = rows.slot(slot);
-            let [tension, compression, hardening, _] = limits.columns::<V>(part, Half::First);
-            let [break_force, break_length, ..] = limits.columns::<V>(part, Half::Second);
-            let k = V::load(stiffness, part);
-            let rest = V::load(self.rest(slot), part);
-            let grown = hardening * V::load(self.flow(slot), part);
-            // A quotient 0/0 is of a spring without stiffness, which has no limit; `min` and `max` drop it.
-            let longest = ((tension + grown).min(break_force) / k).min(break_length - rest);
-            most = (longest / rest).min(most);
-            least = (-(compression + grown) / k / rest).max(least);
-            shortest = shortest.min(rest);
         }
+        let limits = self.palette.columns::<V>(slot, part, stiffness);
+        let rest = V::load(self.rest(slot), part);
+        let grown = limits.yields.hardening * V::load(self.flow(slot), part);
+        let [tension, compression] = [limits.yields.tension, limits.yields.compression];
+        // A quotient 0/0 is of a spring without stiffness, which has no limit; `min` and `max` drop it.
+        let longest = (tension + grown).min(limits.break_force) / stiffness;
+        let most = longest.min(limits.break_length - rest) / rest;
+        let least = -(compression + grown) / stiffness / rest;
         let (mut range, mut positive) = ([f32::NEG_INFINITY, f32::INFINITY], true);
         for l in 0..V::LANES {
             range[0] = range[0].max(least.lane(l) as f32);
             range[1] = range[1].min(most.lane(l) as f32);
-            positive &= shortest.lane(l) > 0.0;
+            positive &= rest.lane(l) > 0.0;
         }
         let margin = |x: f32| {
             if x.is_finite() {
@@ -250,11 +270,11 @@ impl<'a> Span<'a> {
                 0.0
             }
         };
-        if positive {
-            *self.range(slot) = Range {
-                least: range[0] + margin(range[0]),
-                most: range[1] - margin(range[1]),
-            };
-        }
+        let found = Range {
+            least: range[0] + margin(range[0]),
+            most: range[1] - margin(range[1]),
+        };
+        let known = if positive { found } else { Range::UNKNOWN };
+        self.slots.ranges[slot - self.slots.first][half::<V>(part)] = known;
     }
 }

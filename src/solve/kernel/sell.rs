@@ -18,8 +18,10 @@ use super::limits::Outcome;
 use super::log::Log;
 use super::mirror::Mirror;
 use super::order::Adjacency;
-use super::ranges::{Limits, Range, slack};
+use super::palette::{Mixer, Palette};
+use super::ranges::{CALM, Limits, Range, slack};
 use super::regular;
+use super::telling::Telling;
 use super::vector::{LANES, Places, Starts, Wide};
 use crate::body::state::State;
 use crate::solve::forces::Force;
@@ -29,8 +31,8 @@ use std::collections::HashMap;
 /// The least l² that counts \[m²\].
 pub const LEAST_SQUARE: f32 = 1e-30;
 
-/// The length of a spring from a node to itself, as the pass finds it.
-fn least_length() -> f32 {
+/// The length of a spring from a node to itself, as the pass finds it: \[m\].
+pub fn least_length() -> f32 {
     LEAST_SQUARE.sqrt()
 }
 
@@ -103,13 +105,14 @@ struct Builder<'a> {
     adjacency: Adjacency,
     damped: bool,
     distinct: HashMap<[[u32; LANES]; 4], u32>,
+    mixer: Mixer,
 }
 
 /// A slot: in every lane a spring and the node at its other end, if there is one.
 type Ends = [Option<(u32, u32)>; LANES];
 
 impl Sell {
-    /// The table of springs; `limits` is empty, or has one row more than there are springs. `None` for bodies too large for
+    /// The table of springs; `limits` is empty, or has a row for each spring. `None` for bodies too large for
     /// its indices.
     pub fn new(links: &[Link<f32>], limits: &[Limit<f32>], state: &State<f32>) -> Option<Self> {
         let nodes = state.particles.len();
@@ -132,13 +135,11 @@ impl Sell {
             adjacency,
             damped: links.iter().any(|l| l.damping != 0.0),
             distinct: HashMap::new(),
+            mixer: Mixer::default(),
         };
         let mut sell = Self {
             layout: Layout::empty(&order)?,
-            limits: match limits.is_empty() {
-                true => None,
-                false => Some(Limits::none(limits.len())?),
-            },
+            limits: (!limits.is_empty()).then(|| Limits::none(limits)),
             mirror: Mirror::default(),
             sums: Sums::default(),
         };
@@ -157,60 +158,6 @@ impl Sell {
         Some(sell)
     }
 
-    /// Writes to the state what has flowed since the last time.
-    pub(crate) fn settle(&mut self, state: &mut State<f32>) {
-        let Some(limits) = &mut self.limits else {
-            return;
-        };
-        let unsaved = limits.unsaved.iter_mut().enumerate();
-        for (slice, unsaved) in unsaved.filter(|(_, unsaved)| **unsaved) {
-            *unsaved = false;
-            for slot in self.layout.slots(slice) {
-                let mut bits = limits.telling[slot];
-                while bits != 0 {
-                    let lane = bits.trailing_zeros() as usize;
-                    bits &= bits - 1;
-                    let spring = limits.springs.row(slot, lane);
-                    // A broken one has been written when it broke.
-                    if let Some(rest) = state.rest.get_mut(spring) {
-                        *rest = limits.rest[slot].0[lane];
-                        state.flow[spring] = limits.flow[slot].0[lane];
-                    }
-                }
-            }
-        }
-    }
-
-    /// Takes all force from a spring that has limits, and writes to the state how it was.
-    pub(crate) fn cut(
-        &mut self,
-        (spring, link): (usize, &Link<f32>),
-        table: &[Limit<f32>],
-        state: &mut State<f32>,
-    ) {
-        let Some(limits) = &mut self.limits else {
-            return;
-        };
-        for node in [link.a, link.b] {
-            let row = self.layout.rows[node as usize] as usize;
-            let (slice, lane) = (row / LANES, row % LANES);
-            for slot in self.layout.slots(slice) {
-                if limits.springs.row(slot, lane) == spring {
-                    state.rest[spring] = limits.rest[slot].0[lane];
-                    state.flow[spring] = limits.flow[slot].0[lane];
-                    limits.springs.set(slot, lane, table.len() - 1);
-                    limits.flow[slot].0[lane] = 0.0;
-                    self.layout.far.set(slot, lane, node as usize);
-                    limits.rest[slot].0[lane] = least_length();
-                    limits.ranges[slot].forget();
-                    limits.busy[slice] = [true; 4];
-                    limits.untouched[slice] = false;
-                    break;
-                }
-            }
-        }
-    }
-
     /// Bytes of what a pass reads while nothing yields, and of all.
     pub(crate) fn bytes(&self) -> [usize; 2] {
         let wide = |table: &[Wide]| size_of_val(table);
@@ -226,8 +173,7 @@ impl Sell {
             let by_slot = wide(&limits.rest) + size_of_val(&limits.ranges[..]);
             *(if regular { &mut rare } else { &mut hot }) += by_slot;
             hot += wide(&limits.slacks);
-            rare += wide(&limits.flow) + limits.springs.bytes();
-            rare += size_of_val(&limits.telling[..]);
+            rare += wide(&limits.flow) + limits.palette.bytes() + limits.telling.bytes();
         }
         [hot, hot + rare]
     }
@@ -311,9 +257,8 @@ impl Builder<'_> {
         }
         if let Some(limits) = &mut sell.limits {
             // What is untouched is known to be in its range until the pass finds out.
-            limits
-                .busy
-                .push([!untouched || first == layout.which.len(); 4]);
+            let calm = untouched || first == layout.which.len();
+            limits.busy.push([if calm { 0 } else { CALM }; 4]);
             limits.untouched.push(untouched);
             limits.unsaved.push(false);
         }
@@ -362,7 +307,9 @@ impl Builder<'_> {
                 limits.slacks.resize(next as usize, none);
                 limits.slacks.push(slacks);
             }
-            limits.push_slot(ends, own, (self.links.len(), self.state), rest);
+            let of = |end: Option<(u32, u32)>| Some(&self.table[end?.0 as usize]);
+            limits.palette.push(&mut self.mixer, ends.map(of));
+            limits.push_slot(ends, own, self.state, rest);
         }
     }
 
@@ -378,36 +325,35 @@ impl Builder<'_> {
 }
 
 impl Limits {
-    fn none(springs: usize) -> Option<Self> {
-        Some(Self {
-            springs: Places::new(springs)?,
-            telling: Vec::new(),
+    fn none(limits: &[Limit<f32>]) -> Self {
+        Self {
+            palette: Palette::of(limits),
+            telling: Telling::default(),
             rest: Vec::new(),
             flow: Vec::new(),
             ranges: Vec::new(),
             slacks: Vec::new(),
+            width: None,
             busy: Vec::new(),
             untouched: Vec::new(),
             unsaved: Vec::new(),
-        })
+        }
     }
 
     fn push_slot(
         &mut self,
         ends: &Ends,
         own: impl Fn(usize) -> u32,
-        (none, state): (usize, &State<f32>),
+        state: &State<f32>,
         rest: Wide,
     ) {
-        let springs = ends.map(|e| e.map_or(none as u32, |(spring, _)| spring));
-        self.springs.push(springs);
-        let tells = |l: usize| ends[l].is_some_and(|(_, other)| own(l) < other);
-        let bits = (0..LANES).map(|l| u16::from(tells(l)) << l);
-        self.telling.push(bits.sum());
+        let tells = |l: usize| ends[l].filter(|(_, other)| own(l) < *other);
+        self.telling
+            .push(std::array::from_fn(|l| tells(l).map(|(spring, _)| spring)));
         self.flow.push(Wide(
             ends.map(|e| e.map_or(0.0, |(s, _)| state.flow[s as usize])),
         ));
         self.rest.push(rest);
-        self.ranges.push(Range::UNKNOWN);
+        self.ranges.push([Range::UNKNOWN; 2]);
     }
 }

@@ -1,6 +1,6 @@
 //! What the passes over springs read: slots by slices, the nodes at the other ends, constants, and what bounds an elongation.
 
-use super::ranges::Range;
+use super::ranges::{Ranges, half};
 use super::sell::Layout;
 use super::vector::{Half, LANES, Reader, Run, Runs, Slot, Vector, Wide};
 use crate::body::state::Particle;
@@ -69,7 +69,7 @@ impl<V: Vector> Rule<V> for Free<'_> {
 pub struct BySlot<'a> {
     pub first: usize,
     pub rest: &'a [Wide],
-    pub ranges: &'a [Range],
+    pub ranges: &'a [Ranges],
 }
 
 impl<V: Vector> Rule<V> for BySlot<'_> {
@@ -81,8 +81,9 @@ impl<V: Vector> Rule<V> for BySlot<'_> {
     }
 
     #[inline(always)]
-    fn keep(&self, within: V, elongation: V, rest: V, (slot, ..): (usize, usize, usize)) -> V {
-        self.ranges[slot - self.first].keep(within, elongation, rest)
+    fn keep(&self, within: V, elongation: V, rest: V, at: (usize, usize, usize)) -> V {
+        let (slot, _, part) = at;
+        self.ranges[slot - self.first][half::<V>(part)].keep(within, elongation, rest)
     }
 }
 
@@ -193,12 +194,6 @@ impl<'a> Table<'a> {
     #[inline(always)]
     pub fn stiffness<V: Vector>(&self, which: usize, part: usize) -> V {
         V::load(&self.layout.stiffness[which], part)
-    }
-
-    /// Stiffness of all lanes of a slot \[N/m\].
-    #[inline(always)]
-    pub fn stiffness_of(&self, which: usize) -> &'a Wide {
-        &self.layout.stiffness[which]
     }
 
     /// Viscosity of a slot \[N·s/m\].

@@ -7,6 +7,7 @@ use crate::body::state::State;
 use crate::solve::springs::Rows;
 use crate::solve::{Integrator, Solver};
 use proptest::prelude::*;
+use std::collections::BTreeMap;
 
 const KERNELS: [Kernel; 3] = [Kernel::Portable, Kernel::Avx2, Kernel::Avx512];
 
@@ -177,28 +178,33 @@ fn assert_copies_agree(solver: &Solver<f32>, state: &State<f32>) {
         return;
     };
     let Some(limits) = &sell.limits else { return };
-    let mut copies = vec![0; state.rest.len()];
-    for slot in 0..sell.layout.which.len() {
-        for lane in 0..LANES {
-            let spring = limits.springs.row(slot, lane);
-            if spring == state.rest.len() {
-                assert_eq!(limits.flow[slot].0[lane], 0.0);
-                continue;
+    let bits = |rest: f32, flow: f32| [rest.to_bits(), flow.to_bits()];
+    let mut copies = BTreeMap::<[usize; 2], Vec<[u32; 2]>>::new();
+    for (node, &row) in sell.layout.rows.iter().enumerate() {
+        let lane = row as usize % LANES;
+        for slot in sell.layout.slots(row as usize / LANES) {
+            let far = sell.layout.far.row(slot, lane);
+            if far != node {
+                let found = bits(limits.rest[slot].0[lane], limits.flow[slot].0[lane]);
+                copies.entry([node, far]).or_default().push(found);
             }
-            copies[spring] += 1;
-            assert_eq!(
-                limits.rest[slot].0[lane].to_bits(),
-                state.rest[spring].to_bits()
-            );
-            assert_eq!(
-                limits.flow[slot].0[lane].to_bits(),
-                state.flow[spring].to_bits()
-            );
         }
     }
-    for (copies, broken) in copies.into_iter().zip(&state.broken) {
-        assert_eq!(copies, if *broken { 0 } else { 2 });
+    let mut wanted = BTreeMap::<[usize; 2], Vec<[u32; 2]>>::new();
+    let links = solver.table.links.iter().enumerate();
+    for (i, link) in links.filter(|(i, _)| !state.broken[*i]) {
+        for [from, to] in [[link.a, link.b], [link.b, link.a]] {
+            let ends = [from as usize, to as usize];
+            let spring = bits(state.rest[i], state.flow[i]);
+            wanted.entry(ends).or_default().push(spring);
+        }
     }
+    assert_eq!(copies, wanted);
+    let told = limits.telling.of(0..sell.layout.which.len());
+    let mut told: Vec<usize> = told.map(|(_, _, spring)| spring).collect();
+    told.sort_unstable();
+    let whole = (0..state.broken.len()).filter(|i| !state.broken[*i]);
+    assert_eq!(told, whole.collect::<Vec<_>>());
 }
 
 proptest! {
