@@ -2,13 +2,12 @@
 //! box 1.4): the trial tension is brought back to the yield surface by lengthening or shortening the rest length.
 //!
 //! Hardening is isotropic: both yield forces grow by H per metre of accumulated plastic elongation α = Σ|ΔL_p|.
-//! No branch: an elastic spring has infinite yield forces, and `inverse` = 1/(k + H) is 0 for a broken one.
+//! No branch: an elastic spring has infinite yield forces, and `inverse` = 1/(k + H) is 0 for one that is too soft to flow.
 
 use crate::math::Number;
 
 /// Where a spring yields.
 #[derive(Clone, Copy, Debug)]
-#[repr(C)]
 pub struct Yield<S> {
     /// Yield force in tension before any flow \[N\].
     pub tension: S,
@@ -20,11 +19,11 @@ pub struct Yield<S> {
     pub inverse: S,
 }
 
-/// 1/(k + H) \[m/N\], and 0 for a spring without stiffness.
+/// 1/(k + H) \[m/N\], and 0 where that would be more than there are numbers for.
 #[inline(always)]
 pub fn inverse<S: Number>(stiffness: S, hardening: S) -> S {
     let sum = stiffness + hardening;
-    S::above(sum, S::ZERO, S::ONE / sum, S::ZERO)
+    S::above(sum, S::of(1e-37), S::ONE / sum, S::ZERO)
 }
 
 /// The outcome of a return mapping.

@@ -19,15 +19,12 @@ pub(crate) struct Link<S> {
 
 /// Where a spring flows and breaks.
 #[derive(Clone, Copy, Debug)]
-#[repr(C, align(32))]
 pub(crate) struct Limit<S> {
     pub yields: Yield<S>,
     /// Tension at which it breaks \[N\].
     pub break_force: S,
     /// Length at which it breaks \[m\].
     pub break_length: S,
-    /// Fills it to a power of two.
-    pub pad: [S; 2],
 }
 
 /// All springs of a body.
@@ -153,7 +150,6 @@ impl<S: Scalar> Limit<S> {
         },
         break_force: S::INFINITY,
         break_length: S::INFINITY,
-        pad: [S::ZERO; 2],
     };
 }
 
@@ -182,6 +178,5 @@ fn limit<S: Scalar>(s: &Spring) -> Limit<S> {
         },
         break_force: real(s.break_force),
         break_length: S::of(rest * (1.0 + f64::from(s.break_strain))),
-        pad: [S::ZERO; 2],
     }
 }

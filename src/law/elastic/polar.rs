@@ -20,7 +20,7 @@ use crate::math::{LANES, Number};
 const STEPS: usize = 24;
 
 /// Below this product of the sums of two stretches, over ½‖F‖³, the quotient is not used; 3.08 for a rotation. The
-/// quotient loses digits as ε/CLOSE²: at this value its rotations are orthonormal to 3·10⁻¹³.
+/// quotient loses digits as ε/CLOSE²: at this value its rotations are orthonormal to 3·10⁻¹³ in `f64`.
 const CLOSE: f64 = 3e-2;
 
 /// R and S of F = R·S, R a proper rotation, S symmetric. R is the unit matrix for F = 0 and has no meaning for entries that

@@ -1,12 +1,11 @@
 //! Springs at their limits.
 //!
-//! A part of a slice is computed as if no spring had any; if then one was out of its range, all is computed again, by a function
-//! of its own that asks the law of plasticity for every spring, now and until none has flowed for a while. So the usual loop has
+//! A part of a slice is computed as if no spring had any. If then one was out of its range, all is computed by a function of its
+//! own that asks the law of plasticity for every spring, now and until none has flowed for a while. So the usual loop has
 //! neither a branch nor a call, and the other one no branch that could not be foreseen: where springs swing about their yield
 //! force, to guess wrong and then wait for constants took longer than the law.
 
 use super::log::{self, Entry};
-use super::palette::Columns;
 use super::pass::{Nodes, Trial, add_springs};
 use super::ranges::Span;
 use super::table::{End, Table, Untouched};
@@ -23,7 +22,8 @@ pub struct Limited<'a> {
     pub commit: Option<f32>,
     /// Plastic work \[J\] by lanes: a sum whose order does not depend on the width.
     pub plastic: [f64; LANES],
-    pub fracture: f64,
+    /// Energy of broken springs \[J\], likewise.
+    pub fracture: [f64; LANES],
 }
 
 /// Where events are written.
@@ -50,7 +50,7 @@ impl<'a> Limited<'a> {
             book,
             commit,
             plastic: [0.0; LANES],
-            fracture: 0.0,
+            fracture: [0.0; LANES],
         }
     }
 
@@ -72,7 +72,7 @@ impl<'a> Limited<'a> {
 
     /// Begins with one of its blocks.
     pub fn begin(&mut self, block: usize) {
-        (self.plastic, self.fracture) = ([0.0; LANES], 0.0);
+        (self.plastic, self.fracture) = ([0.0; LANES], [0.0; LANES]);
         if let Book::Log(log) = &mut self.book {
             log.begin(block);
         }
@@ -83,7 +83,7 @@ impl<'a> Limited<'a> {
         Outcome {
             happened: Happened {
                 plastic: self.plastic.iter().sum(),
-                fracture: self.fracture,
+                fracture: self.fracture.iter().sum(),
             },
             logged: match &self.book {
                 Book::Events(_) => 0,
@@ -160,7 +160,7 @@ impl<V: Vector, const DAMPED: bool> AtLimits<'_, '_, V, DAMPED> {
         for (slot, far, which) in self.table.slots(self.slice) {
             let trial = Trial::new(nodes.at, &far, part, V::load(limits.rest(slot), part));
             let stiffness = self.table.stiffness(which, part);
-            let law = limits.palette.columns(slot, part, stiffness);
+            let law = limits.palette.bounds(slot, part, stiffness);
             let flow = V::load(limits.flow(slot), part);
             let mapped = plastic::return_map(stiffness, trial.elongation, flow, &law.yields);
             nodes.pull(&trial, mapped.tension);
@@ -191,7 +191,7 @@ impl<V: Vector, const DAMPED: bool> AtLimits<'_, '_, V, DAMPED> {
             let rest = V::load(limited.limits.rest(slot), part);
             let trial = Trial::new(nodes.at, &far, part, rest);
             let stiffness = table.stiffness(which, part);
-            let law = limited.limits.palette.columns(slot, part, stiffness);
+            let law = limited.limits.palette.bounds(slot, part, stiffness);
             let flow = V::load(limited.limits.flow(slot), part);
             let mapped = plastic::return_map(stiffness, trial.elongation, flow, &law.yields);
             let amount = mapped.flow.abs();
@@ -235,16 +235,6 @@ impl<V: Vector, const DAMPED: bool> AtLimits<'_, '_, V, DAMPED> {
             }
         }
         nodes
-    }
-}
-
-impl<V: Vector> Columns<V> {
-    /// Which lanes break, and 1 for those that hold, 0 for others.
-    #[inline(always)]
-    fn breaks(&self, trial: &Trial<V>, tension: V) -> (u32, V) {
-        let held = V::above(trial.length, self.break_length, V::ZERO, V::ONE);
-        let held = V::above(tension, self.break_force, V::ZERO, held);
-        (V::ONE.bits_above(held), held)
     }
 }
 
@@ -292,7 +282,7 @@ impl Limited<'_> {
                 energy: energy.0[l],
             };
             if entry.broke {
-                self.fracture += f64::from(entry.energy);
+                self.fracture[lanes.first + l] += f64::from(entry.energy);
             }
             match &mut self.book {
                 Book::Events(events) => entry.tell(events),

@@ -1,8 +1,9 @@
 //! Limits of springs by slots, as columns, so that a pass need not gather them spring by spring.
 //!
 //! Slots share what is the same. In a body of a few materials that is nearly everything, because a lane without a spring takes
-//! the limits of the first in its slot: it has no stiffness or no length, and so no tension that could reach them.
+//! the limits of the first in its slot. It can't reach them: it goes from a node to itself, so it has neither tension nor length.
 
+use super::pass::Trial;
 use super::vector::{LANES, Vector, Wide};
 use crate::law::plastic::{self, Yield};
 use crate::solve::springs::Limit;
@@ -26,12 +27,22 @@ pub struct Palette {
 
 /// Limits of the springs of a part of a slot.
 #[derive(Clone, Copy)]
-pub struct Columns<V> {
+pub struct Bounds<V> {
     pub yields: Yield<V>,
     /// \[N\].
     pub break_force: V,
     /// \[m\].
     pub break_length: V,
+}
+
+impl<V: Vector> Bounds<V> {
+    /// Which lanes break, and 1 for those that hold, 0 for others.
+    #[inline(always)]
+    pub fn breaks(&self, trial: &Trial<V>, tension: V) -> (u32, V) {
+        let held = V::above(trial.length, self.break_length, V::ZERO, V::ONE);
+        let held = V::above(tension, self.break_force, V::ZERO, held);
+        (V::ONE.bits_above(held), held)
+    }
 }
 
 /// Finds what is the same while slots come.
@@ -93,7 +104,7 @@ impl Palette {
 
     /// Limits of a part of a slot of springs of this stiffness \[N/m\].
     #[inline(always)]
-    pub fn columns<V: Vector>(&self, slot: usize, part: usize, stiffness: V) -> Columns<V> {
+    pub fn bounds<V: Vector>(&self, slot: usize, part: usize, stiffness: V) -> Bounds<V> {
         let set = self.which[slot] as usize;
         let [tension, hardening] = &self.yields[set];
         let tension = V::load(tension, part);
@@ -107,7 +118,7 @@ impl Palette {
             (break_force, break_length) = (V::load(force, part), V::load(length, part));
         }
         let hardening = V::load(hardening, part);
-        Columns {
+        Bounds {
             yields: Yield {
                 tension,
                 compression,

@@ -3,8 +3,7 @@
 use super::palette::Palette;
 use super::table::BySlot;
 use super::telling::Telling;
-use super::vector::Width;
-use super::vector::{LANES, Vector, Wide};
+use super::vector::{LANES, Vector, Wide, Width};
 use crate::solve::springs::Limit;
 
 /// What springs that yield or break have besides, per slot.
@@ -18,9 +17,9 @@ pub struct Limits {
     pub ranges: Vec<Ranges>,
     /// Per set of constants the slack of each lane, see [`slack`]. Empty where no slice is regular.
     pub slacks: Vec<Wide>,
-    /// For which width parts of slices, and ranges, are what they are.
+    /// For which width parts of slices, and ranges, are what they are: at another one all are busy that were ever touched.
     pub width: Option<Width>,
-    /// Per part of a slice how many passes in which nothing flows are to come before its springs have ranges again.
+    /// Per part of a slice how many substeps in which nothing flows are to come before its springs have ranges again.
     pub busy: Vec<[u8; 4]>,
     /// Per slice whether it is regular and no spring of it has ever gone beyond its slack, so that all have the rest lengths of
     /// the constants.
@@ -54,8 +53,8 @@ struct BySlices<'a> {
     unsaved: &'a mut [bool],
 }
 
-/// No spring of half a slot flows or breaks while its elongation over its rest length lies between these two. Empty where that
-/// is not known, and without meaning where the part of the slice is busy.
+/// No spring of half a slot flows or breaks while its elongation over its rest length lies between these two. NaN where that is
+/// not known, and without meaning where the part of the slice is busy.
 #[derive(Clone, Copy, Debug)]
 pub struct Range {
     least: f32,
@@ -71,7 +70,7 @@ pub fn half<V: Vector>(part: usize) -> usize {
     part * V::LANES / (LANES / 2)
 }
 
-/// After so many passes in which nothing flows a part of a slice is calm: a range costs about two passes to find.
+/// After so many substeps in which nothing flows a part of a slice is calm: a range costs about two passes to find.
 pub const CALM: u8 = 8;
 
 /// By how much a spring may be longer or shorter than at rest, at most, while nothing happens to it \[m\], if it has not flowed:
@@ -89,8 +88,8 @@ pub fn slack(limit: &Limit<f32>, stiffness: f32, rest: f32) -> f32 {
 
 impl Range {
     pub const UNKNOWN: Self = Self {
-        least: f32::INFINITY,
-        most: f32::NEG_INFINITY,
+        least: f32::NAN,
+        most: f32::NAN,
     };
 
     /// What was `within`, or 0 for elongations out of range.
@@ -172,18 +171,18 @@ impl<'a> Span<'a> {
         ]
     }
 
-    /// Whether springs of a part of a slice have flowed lately.
+    /// Whether springs of a part of a slice have no ranges, because some have flowed lately or been out of theirs.
     #[inline(always)]
     pub fn is_busy(&self, slice: usize, part: usize) -> bool {
         self.slices.busy[slice - self.slices.first][part] > 0
     }
 
-    /// Notes whether something flowed, and says whether springs are to have ranges from now on.
+    /// Notes whether nothing flowed or broke, and says whether springs are to have ranges from now on.
     #[inline(always)]
-    pub fn calm(&mut self, slice: usize, part: usize, calm: bool) -> bool {
+    pub fn calm(&mut self, slice: usize, part: usize, quiet: bool) -> bool {
         let busy = &mut self.slices.busy[slice - self.slices.first][part];
         // What was out of its range though nothing flowed would be so again.
-        *busy = if calm && *busy > 0 { *busy - 1 } else { CALM };
+        *busy = if quiet && *busy > 0 { *busy - 1 } else { CALM };
         *busy == 0
     }
 
@@ -249,7 +248,7 @@ impl<'a> Span<'a> {
             // Parts that share a half would have to agree. No pass over springs is so narrow.
             return;
         }
-        let limits = self.palette.columns::<V>(slot, part, stiffness);
+        let limits = self.palette.bounds::<V>(slot, part, stiffness);
         let rest = V::load(self.rest(slot), part);
         let grown = limits.yields.hardening * V::load(self.flow(slot), part);
         let [tension, compression] = [limits.yields.tension, limits.yields.compression];

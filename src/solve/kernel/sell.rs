@@ -19,7 +19,7 @@ use super::log::Log;
 use super::mirror::Mirror;
 use super::order::Adjacency;
 use super::palette::{Mixer, Palette};
-use super::ranges::{CALM, Limits, Range, slack};
+use super::ranges::{Limits, Range, slack};
 use super::regular;
 use super::telling::Telling;
 use super::vector::{LANES, Places, Starts, Wide};
@@ -216,7 +216,6 @@ impl Builder<'_> {
         layout
             .out
             .push(std::array::from_fn(|l| node(l, layout.nodes)));
-        let first = layout.which.len();
         let whole = |&(spring, _): &(u32, u32)| !self.state.broken[spring as usize];
         let mut untouched = false;
         match steps {
@@ -256,9 +255,8 @@ impl Builder<'_> {
             layout.regular.push(steps.is_some());
         }
         if let Some(limits) = &mut sell.limits {
-            // What is untouched is known to be in its range until the pass finds out.
-            let calm = untouched || first == layout.which.len();
-            limits.busy.push([if calm { 0 } else { CALM }; 4]);
+            // The first pass makes those busy that are not untouched.
+            limits.busy.push([0; 4]);
             limits.untouched.push(untouched);
             limits.unsaved.push(false);
         }

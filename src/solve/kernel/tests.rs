@@ -1,5 +1,6 @@
 //! Kernels against the scalar pass, bit for bit, on nets without any order.
 
+use super::ranges::CALM;
 use super::vector::LANES;
 use super::*;
 use crate::body::net::Spring;
@@ -260,6 +261,43 @@ fn kernels_may_take_turns() {
         assert_copies_agree(&solver, &state);
     }
     assert!(outcome(&solver, &state) == reference);
+}
+
+/// Ranges are of parts as wide as the kernel that found them. Only where there is AVX-512 do the two kernels differ.
+#[test]
+fn ranges_found_by_one_width_are_not_believed_by_another() {
+    use crate::body::Material;
+    let material = Material::elastic(1e5, 100.0)
+        .viscosity(20.0)
+        .yielding(2e3, 2e3);
+    let struck = |x: [f32; 3]| if x[2] > 0.9 { 2.0 } else { 0.0 };
+    let (springs, start) = regular_net([7, 7, 18], false, material, struck);
+    let run = |kernels: [Kernel; 2]| {
+        let mut state = start.clone();
+        let mut solver = Solver::new(&springs, &state);
+        let mut known = 0;
+        for i in 0..400 {
+            solver.kernel = kernels[i / (usize::from(CALM) + 4) % 2];
+            solver.substep(&mut state, Integrator::SymplecticEuler, 1e-3);
+            if let Rows::Made(sell) = &solver.table.rows {
+                let limits = sell.limits.as_ref().unwrap();
+                let slices = limits.busy.iter().zip(&limits.untouched);
+                known += slices.filter(|(b, u)| b[0] == 0 && !**u).count();
+            }
+        }
+        (outcome(&solver, &state), known)
+    };
+    let (reference, _) = run([Kernel::Portable; 2]);
+    assert!(reference.events.len() > 20, "{}", reference.events.len());
+    for kernels in [[Kernel::Avx2; 2], [Kernel::Avx2, Kernel::Avx512]] {
+        let (outcome, known) = run(kernels);
+        assert!(
+            outcome == reference,
+            "{:?}",
+            outcome.first_difference(&reference)
+        );
+        assert!(known > 100 || kernels[0].name() == Kernel::Portable.name());
+    }
 }
 
 /// A lattice or a sheet that yields and breaks, struck where `struck` says.

@@ -289,6 +289,4 @@ pub fn solve_between_shadows(
 }
 
 #[cfg(test)]
-mod energy;
-#[cfg(test)]
 mod tests;

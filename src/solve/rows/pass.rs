@@ -10,8 +10,8 @@ use crate::law::row::{Lift, allowed_velocity, friction_impulse, normal_impulse, 
 use crate::math::{DMat3, DVec3, na};
 use crate::solve::shadow::Shadow;
 
-/// How much impulse a lift may take, in what gives a free body its speed: a body that rests on something has its weight to lift
-/// besides.
+/// How much impulse a lift may take, in what gives its speed to a free body and the nodes of the row: what rests on
+/// something has its weight to lift besides, and other nodes that the body holds.
 const LIFT_IMPULSE: f64 = 6.0;
 
 impl Rows {
@@ -165,7 +165,8 @@ impl Pass<'_> {
                 .try_fold(f64::INFINITY, |least, r| r.map(|r| least.min(r)));
             if let Some(response) = least {
                 let speed = (row.depth * LEAD_RATE).min(fastest);
-                let left = LIFT_IMPULSE * speed / response;
+                let mass = inverse(response) + inverse(self.points.response(row.terms));
+                let left = LIFT_IMPULSE * speed * mass;
                 row.lift = Lift { speed, left };
             }
         }

@@ -1,8 +1,10 @@
+mod energy;
+
 use super::*;
 use crate::math::DMat3;
 use crate::solve::shadow::Shadow;
 
-pub(super) fn node(v: DVec3) -> RowNode {
+fn node(v: DVec3) -> RowNode {
     RowNode {
         body: 0,
         node: 0,
@@ -31,7 +33,7 @@ fn rows(friction: f64, depth: f64, arm: DVec3, v: DVec3) -> Rows {
 }
 
 /// A row on the fixed world without friction.
-pub(super) fn row(terms: Terms) -> Row {
+fn row(terms: Terms) -> Row {
     Row {
         terms,
         shadow: 0,
@@ -242,6 +244,11 @@ fn a_body_is_lifted_out_with_the_node_that_it_holds() {
         assert!((shadows[1].v.y - speed).abs() < 1e-6, "{}", shadows[1].v);
         assert!((rows.nodes[0].v.y - speed).abs() < 1e-6);
     }
+    // A node of ten times the mass of its body is lifted all the same.
+    let (mut rows, mut shadows) = pinned(0.002, DVec3::ZERO, 1.0);
+    rows.nodes[0].inv_mass = 0.01;
+    rows.solve(&mut shadows, 1e-3, 4, false);
+    assert!((shadows[1].v.y - 0.04).abs() < 1e-6, "{}", shadows[1].v);
     let (mut rows, mut shadows) = pinned(0.002, DVec3::ZERO, 0.0);
     rows.solve(&mut shadows, 1e-3, 4, false);
     assert_eq!(rows.contacts[0].normal_impulse, 0.0);

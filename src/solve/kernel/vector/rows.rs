@@ -3,7 +3,6 @@
 use super::{LANES, Vector};
 use crate::body::state::Particle;
 use crate::solve::forces::Force;
-use crate::solve::springs::Limit;
 use crate::solve::stable::Rates;
 use std::ops::Range;
 
@@ -23,7 +22,6 @@ macro_rules! row {
 }
 row!(Particle<f32>);
 row!(Force<f32>);
-row!(Limit<f32>);
 row!(Rates<f32>);
 
 /// Which four numbers of a row.

@@ -1,8 +1,6 @@
 //! Rows take energy and give none, whatever they start with and whether they settle or not.
 
-use super::tests::{node, row};
 use super::*;
-use crate::math::DMat3;
 
 /// SplitMix64 (Steele, Lea & Flood 2014), as numbers from `a` to `b`.
 struct Dice(u64);
