@@ -158,8 +158,7 @@ impl Target {
             carried: 0.0,
             normal_impulse: 0.0,
             friction_impulse: DVec3::ZERO,
-            mass: 0.0,
-            turning: 0.0,
+            answer: Default::default(),
             lift: Lift::default(),
         }
     }

@@ -49,9 +49,9 @@ pub fn normal_impulse(accumulated: f64, allowed: f64, velocity: f64, mass: f64) 
 #[inline(always)]
 pub fn friction_impulse(accumulated: DVec3, slip: DVec3, mass: f64, limit: f64) -> DVec3 {
     let wanted = accumulated - slip * mass;
-    let length = wanted.length();
-    if length > limit {
-        wanted * (limit / length)
+    let square = wanted.length_squared();
+    if square > limit * limit {
+        wanted * (limit / square.sqrt())
     } else {
         wanted
     }

@@ -66,6 +66,11 @@ impl Shadow {
         shift: (DVec3::ZERO, DVec3::ZERO),
     };
 
+    /// Whether any impulse moves it.
+    pub fn gives_way(&self) -> bool {
+        self.inv_mass != DMat3::ZERO || self.inv_inertia != DMat3::ZERO
+    }
+
     /// Takes an impulse and an angular impulse about the centre of mass \[N·s\], \[N·m·s\].
     #[inline(always)]
     pub fn take(&mut self, impulse: DVec3, torque: DVec3) {

@@ -62,13 +62,16 @@ impl DeformableWorld {
         let mut unsupported = std::mem::take(&mut self.report.unsupported);
         let mut forms = std::mem::take(&mut self.forms);
         forms.forget_unused();
-        let reaches: Vec<Reach> = self
-            .iter()
-            .filter(|(_, body)| body.is_active())
-            .map(|(handle, body)| Reach {
+        let active = self.iter().filter(|(_, body)| body.is_active());
+        let handles: Vec<DeformableHandle> = active.map(|(handle, _)| handle).collect();
+        let (meetings, speeds) = self.find_meetings(&handles, &search);
+        let active = handles.iter().filter_map(|h| Some((*h, self.get(*h)?)));
+        let reaches: Vec<Reach> = active
+            .zip(speeds)
+            .map(|((handle, body), speed)| Reach {
                 handle,
                 targets: reach::targets(
-                    (handle, body),
+                    (handle, body, speed),
                     &search,
                     &mut gate,
                     &mut forms,
@@ -90,12 +93,10 @@ impl DeformableWorld {
             }
         }
         self.report.unsupported = unsupported;
-        let meetings = self.find_meetings(&reaches, &search);
         let around = parts.surroundings();
         let touched = reaches.iter().flat_map(|r| self.touched_by(r));
         let constraints = RigidConstraints::gather(touched, &around, dt);
         let group_of = self.join(&reaches, &meetings, &constraints, &around);
-        let handles: Vec<DeformableHandle> = reaches.iter().map(|r| r.handle).collect();
         let mut kept = std::mem::take(&mut self.contacts);
         let far = 0.01 * parts.length_unit();
         let mut groups: BTreeMap<usize, Group> = BTreeMap::new();
@@ -366,6 +367,11 @@ impl Deformable {
         } else {
             speed
         }
+    }
+
+    /// Largest speed of any node \[m/s\].
+    pub(super) fn max_speed(&self) -> f64 {
+        f64::from(self.max_speed_squared()).sqrt()
     }
 
     /// Largest squared speed of any node \[m²/s²\].

@@ -3,7 +3,6 @@
 //! Boxes around the bodies, grown by how far they can go, stand in a tree that is refitted from step to step, so that a
 //! thousand bodies cost their neighbours and not their square.
 
-use super::group;
 use super::group::BodyKey;
 use super::observer::Partner;
 use super::reach::{Search, travel};
@@ -87,33 +86,34 @@ impl Meetings {
 }
 
 impl DeformableWorld {
-    /// The pairs of bodies that may touch in the coming step.
+    /// The pairs of bodies that may touch in the coming step, and how fast each body may become by that \[m/s\].
     pub(super) fn find_meetings(
         &mut self,
-        reaches: &[group::Reach],
+        handles: &[DeformableHandle],
         search: &Search,
-    ) -> Vec<Meeting> {
+    ) -> (Vec<Meeting>, Vec<f64>) {
         let mut meetings = std::mem::take(&mut self.meetings);
-        let pairs = self.search_meetings(&mut meetings, reaches, search);
+        let found = self.search_meetings(&mut meetings, handles, search);
         self.meetings = meetings;
-        pairs
+        found
     }
 
     fn search_meetings(
         &self,
         meetings: &mut Meetings,
-        reaches: &[group::Reach],
+        handles: &[DeformableHandle],
         search: &Search,
-    ) -> Vec<Meeting> {
-        let bodies: Vec<&Deformable> = reaches.iter().filter_map(|r| self.get(r.handle)).collect();
-        if bodies.len() < 2 || bodies.len() != reaches.len() {
-            return Vec::new();
-        }
-        let mut swept: Vec<Swept> = reaches
+    ) -> (Vec<Meeting>, Vec<f64>) {
+        let bodies: Vec<&Deformable> = handles.iter().filter_map(|h| self.get(*h)).collect();
+        let mut swept: Vec<Swept> = handles
             .iter()
             .zip(&bodies)
-            .map(|(reach, body)| swept(reach.handle, body, search))
+            .map(|(handle, body)| swept(*handle, body, search))
             .collect();
+        let speeds = |swept: &[Swept]| swept.iter().map(|s| s.speed).collect();
+        if bodies.len() < 2 || bodies.len() != handles.len() {
+            return (Vec::new(), speeds(&swept));
+        }
         meetings.keep(&swept);
         let unit = search.parts.length_unit();
         loop {
@@ -131,8 +131,8 @@ impl DeformableWorld {
                 }
             }
             if !faster {
-                pairs.retain(|&[i, j]| self.may_meet(reaches[i].handle, reaches[j].handle));
-                return pairs;
+                pairs.retain(|&[i, j]| self.may_meet(handles[i], handles[j]));
+                return (pairs, speeds(&swept));
             }
         }
     }
@@ -214,7 +214,7 @@ impl DeformableWorld {
 }
 
 fn swept(handle: DeformableHandle, body: &Deformable, search: &Search) -> Swept {
-    let mut speed = f64::from(body.max_speed_squared()).sqrt();
+    let mut speed = body.max_speed();
     if body.sleep.beside_rigid {
         speed = speed.max(search.rigid_speed);
     }
@@ -241,23 +241,24 @@ pub(super) fn substeps(group: &Group, dt: f64) -> usize {
     wanted.max().unwrap_or(1)
 }
 
-/// The rows of an encounter at the positions the substep starts from.
+/// The rows of an encounter at the positions the substep starts from. Says by how much the two may close in it at most
+/// \[m\].
 pub(super) fn find_rows(
     encounter: &mut Encounter,
     members: &mut [(DeformableHandle, Box<Deformable>)],
     rows: &mut Rows,
     h: f64,
     s: &Settings,
-) {
+) -> f64 {
     let places = encounter.members.map(|m| m as usize);
     let Ok([(_, a), (_, b)]) = members.get_disjoint_mut(places) else {
-        return;
+        return 0.0;
     };
     let moved = h * (a.fastest() + b.fastest());
     // Taken out for as long as the rest of the bodies is looked at.
     let [Some(mut of_a), Some(mut of_b)] = [&mut *a, &mut *b].map(|body| body.outline.take())
     else {
-        return;
+        return 0.0;
     };
     let slack = h * s.length_unit;
     let reach = Reach {
@@ -285,4 +286,5 @@ pub(super) fn find_rows(
     };
     encounter.add_rows(&mut bodies, rows, reach);
     (a.outline, b.outline) = (Some(of_a), Some(of_b));
+    moved
 }

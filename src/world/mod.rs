@@ -3,6 +3,7 @@
 mod advance;
 mod attach;
 mod attachment;
+mod blow;
 mod budget;
 mod builder;
 mod constraints;

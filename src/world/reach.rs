@@ -123,15 +123,14 @@ impl Deformable {
     }
 }
 
-/// Calls `found` for every collider the body may touch, in the order of their handles, with whether it pushes or only
-/// notices.
+/// Calls `found` for every collider the body may touch, moving at `speed` m/s at most, in the order of their handles, with
+/// whether it pushes or only notices.
 pub(super) fn for_each_in_reach(
-    (own, body): (DeformableHandle, &Deformable),
+    (own, body, speed): (DeformableHandle, &Deformable, f64),
     search: &Search,
     gate: &mut Gate,
     found: impl FnMut(ColliderHandle, &Collider, bool),
 ) {
-    let speed = f64::from(body.max_speed_squared()).sqrt();
     let reach = travel(speed + search.rigid_speed, search.dt, search.parts);
     for_each_within((own, body), &body.box_within(reach), search, gate, found);
 }
@@ -183,9 +182,9 @@ pub(super) fn for_each_within(
     }
 }
 
-/// The targets of a body. Colliders of other shapes are noted in `unsupported`, those that do not push in `sensing`.
+/// The targets of a body that moves at `speed` m/s at most. Colliders of other shapes are noted in `unsupported`, those that do not push in `sensing`.
 pub(super) fn targets(
-    (own, body): (DeformableHandle, &Deformable),
+    (own, body, speed): (DeformableHandle, &Deformable, f64),
     search: &Search,
     gate: &mut Gate,
     forms: &mut Forms,
@@ -193,21 +192,26 @@ pub(super) fn targets(
     sensing: &mut Vec<Sensing>,
 ) -> Vec<Target> {
     let mut targets = Vec::new();
-    for_each_in_reach((own, body), search, gate, |handle, collider, pushes| {
-        if !pushes {
-            sensing.push(Sensing {
-                deformable: own,
-                collider: handle,
-                sensor: collider.is_sensor(),
-                start: true_pose(collider, search.parts),
-            });
-            return;
-        }
-        match target(handle, collider, search.parts.bodies, body.surface(), forms) {
-            Some(t) => targets.push(t),
-            None => note(unsupported, handle),
-        }
-    });
+    for_each_in_reach(
+        (own, body, speed),
+        search,
+        gate,
+        |handle, collider, pushes| {
+            if !pushes {
+                sensing.push(Sensing {
+                    deformable: own,
+                    collider: handle,
+                    sensor: collider.is_sensor(),
+                    start: true_pose(collider, search.parts),
+                });
+                return;
+            }
+            match target(handle, collider, search.parts.bodies, body.surface(), forms) {
+                Some(t) => targets.push(t),
+                None => note(unsupported, handle),
+            }
+        },
+    );
     targets
 }
 
@@ -223,7 +227,7 @@ pub(super) fn sleepers_in_the_way(
     let mut found = Vec::new();
     let (mut unsupported, mut sensing) = (Vec::new(), Vec::new());
     let targets = targets(
-        (own, body),
+        (own, body, body.max_speed()),
         search,
         gate,
         forms,

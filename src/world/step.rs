@@ -154,7 +154,8 @@ impl DeformableWorld {
         let search = Search::new(&self.known, parts, dt);
         let mut found = false;
         let mut gate = self.open_gate();
-        for own in self.iter().filter(|(_, b)| b.is_active()) {
+        for (own, body) in self.iter().filter(|(_, b)| b.is_active()) {
+            let own = (own, body, body.max_speed());
             reach::for_each_in_reach(own, &search, &mut gate, |_, collider, pushes| {
                 let moves = collider.parent().is_some_and(awake);
                 found |= pushes && moves && Form::takes(collider.shape());

@@ -129,6 +129,7 @@ impl Group {
         for shadow in &mut self.shadows[1..] {
             shadow.accelerate(h);
         }
+        self.rows.clear();
         self.find_rows(h, s);
         for (_, body) in &mut self.members {
             body.predict(h);
@@ -166,9 +167,9 @@ impl Group {
         }
     }
 
-    /// Contacts and ties at the positions the substep starts from.
-    fn find_rows(&mut self, h: f64, s: &Settings) {
-        self.rows.clear();
+    /// Contacts at the positions the substep starts from. Says by how much any two things may close in it at most \[m\].
+    pub(super) fn look(&mut self, h: f64, s: &Settings) -> f64 {
+        let mut most = 0.0_f64;
         for (m, ((_, body), candidates)) in
             (0..).zip(self.members.iter_mut().zip(&mut self.candidates))
         {
@@ -178,6 +179,7 @@ impl Group {
             for c in candidates.iter_mut() {
                 let shadow = &self.shadows[c.target.shadow as usize];
                 let closing = h * (speed + c.target.speed(shadow));
+                most = most.max(closing);
                 let slack = h * s.length_unit;
                 let reach = Reach {
                     h,
@@ -196,9 +198,10 @@ impl Group {
             }
         }
         for encounter in &mut self.encounters {
-            meet::find_rows(encounter, &mut self.members, &mut self.rows, h, s);
+            let closing = meet::find_rows(encounter, &mut self.members, &mut self.rows, h, s);
+            most = most.max(closing);
         }
-        self.find_ties(h, s.push_out);
+        most
     }
 
     /// What touches, sticks and slides, for the next substep.

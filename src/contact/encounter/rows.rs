@@ -233,8 +233,7 @@ impl Encounter {
             carried: if here { touch.carried } else { 0.0 },
             normal_impulse: 0.0,
             friction_impulse: DVec3::ZERO,
-            mass: 0.0,
-            turning: 0.0,
+            answer: Default::default(),
             lift: Lift::default(),
         });
         touches.push(touch);

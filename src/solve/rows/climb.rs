@@ -74,7 +74,7 @@ impl Attempt {
                 friction_impulse,
                 lift,
                 excess: pass.missed(row),
-                slip: pass.slip_of(row),
+                slip: pass.slip(row),
             }
         }));
         self.ties.clear();
@@ -92,7 +92,7 @@ impl Attempt {
             let pressed = row.normal_impulse - before.normal_impulse;
             let rubbed = row.friction_impulse - before.friction_impulse;
             pressed * (before.excess + pass.missed(before.row))
-                + rubbed.dot(before.slip + pass.slip_of(before.row))
+                + rubbed.dot(before.slip + pass.slip(before.row))
         });
         let ties = self.ties.iter().map(|before| {
             let change = pass.ties[before.tie].impulse - before.impulse;
@@ -121,7 +121,7 @@ impl Pass<'_> {
             friction_impulse,
             ..
         } = self.contacts[i];
-        normal_impulse * self.missed(i) + friction_impulse.dot(self.slip_of(i))
+        normal_impulse * self.missed(i) + friction_impulse.dot(self.slip(i))
     }
 
     /// The same for a tie.
@@ -140,8 +140,7 @@ impl Pass<'_> {
         let before = row.impulse();
         (row.normal_impulse, row.friction_impulse) = (normal_impulse, friction_impulse);
         let change = row.impulse() - before;
-        self.points.push(row.terms, change);
-        self.shadows[row.shadow as usize].push(row.arm, -change * row.rigid_share);
+        self.give(i, change);
     }
 
     /// Gives a tie another impulse.

@@ -10,6 +10,7 @@
 //! alone. Rows that share a node with rows on that node alone see what those make of it instead, see `squeeze`.
 
 mod climb;
+mod contact;
 mod joint;
 mod pass;
 mod points;
@@ -18,10 +19,11 @@ mod squeeze;
 mod warm;
 mod worklist;
 
-use crate::law::row::Lift;
+use crate::law::row::allowed_velocity;
 use crate::math::{DMat3, DVec3};
 use crate::solve::shadow::Shadow;
 use climb::Attempt;
+pub use contact::Row;
 pub use joint::JointRow;
 pub use rigid::RigidRow;
 use rigid::start_rigid;
@@ -76,64 +78,6 @@ impl Terms {
     }
 }
 
-/// A unilateral contact with friction, of a point with a shadow or of points of two deformables.
-#[derive(Clone, Copy, Debug)]
-pub struct Row {
-    /// The nodes of the point.
-    pub terms: Terms,
-    /// Index into the shadows; 0 for a row between two deformables.
-    pub shadow: u32,
-    /// Which pair of deformable and partner the impulse is counted for.
-    pub pair: u32,
-    /// Whether it lies between two deformables.
-    pub between: bool,
-    /// From the collider, or the second deformable, to the outside.
-    pub normal: DVec3,
-    /// Signed depth, positive inside \[m\].
-    pub depth: f64,
-    /// From the shadow's centre of mass to the point \[m\].
-    pub arm: DVec3,
-    /// What the shadow takes of the impulse: 1, or 0 for a body that dominates the deformable.
-    pub rigid_share: f64,
-    /// Coulomb's μ.
-    pub friction: f64,
-    /// 0 for a rigid contact, 1/(h²k) of one with a stiffness of k N/m \[1/kg\].
-    pub softness: f64,
-    /// How far the point has slipped from where friction took hold of it \[m\].
-    pub drift: DVec3,
-    /// Normal impulse of earlier substeps that friction has not answered yet \[N·s\].
-    pub carried: f64,
-    /// Accumulated normal impulse \[N·s\].
-    pub normal_impulse: f64,
-    /// Accumulated friction impulse \[N·s\].
-    pub friction_impulse: DVec3,
-    /// Effective mass along the normal \[kg\]; set by the pass.
-    pub mass: f64,
-    /// How much faster the surface turns towards the point than it moves at the start of the substep \[m/s\]; set by the
-    /// pass.
-    pub turning: f64,
-    /// How it takes the body along that holds its nodes.
-    pub lift: Lift,
-}
-
-impl Row {
-    /// Impulse on the point so far \[N·s\].
-    pub fn impulse(&self) -> DVec3 {
-        self.normal * self.normal_impulse + self.friction_impulse
-    }
-
-    /// The most that friction can do \[N·s\].
-    pub fn friction_limit(&self) -> f64 {
-        self.friction * (self.normal_impulse + self.carried)
-    }
-
-    /// Whether friction holds the point: it is pressed on, and not at the limit of its cone.
-    pub fn sticks(&self) -> bool {
-        self.normal_impulse > 0.0
-            && self.friction_impulse.length() < self.friction_limit() * (1.0 - 1e-9)
-    }
-}
-
 /// A point held at a point of a shadow, or of another deformable.
 #[derive(Clone, Copy, Debug)]
 pub struct Tie {
@@ -178,6 +122,8 @@ pub struct Rows {
     pub rigid: Vec<RigidRow>,
     /// Joints of shadows, which stay likewise.
     pub joints: Vec<JointRow>,
+    /// Whether something strikes what rests, which takes more passes.
+    pub blow: bool,
     /// How fast bodies are lifted out of what nodes that they hold are in, at most \[m/s\].
     pub fastest_lift: f64,
     squeeze: Squeeze,
@@ -193,6 +139,7 @@ impl Rows {
         self.terms.clear();
         self.contacts.clear();
         self.ties.clear();
+        self.blow = false;
     }
 
     /// Adds a term: a row node, its weight, and how much of an impulse by that weight it takes.
@@ -250,6 +197,26 @@ impl Rows {
                 tie.bias -= (tie.error * LEAD_RATE).clamp_length_max(fastest);
             }
         }
+    }
+
+    /// The greatest speed that a contact of these nodes or of shadows has to stop in a substep of h s \[m/s\].
+    pub fn fastest_to_stop(&self, shadows: &[Shadow], h: f64) -> f64 {
+        let contacts = self.contacts.iter().map(|row| {
+            let velocity = |t: &Term| self.nodes[t.node as usize].v * t.weight;
+            let point: DVec3 = self.terms_of(row.terms).iter().map(velocity).sum();
+            let relative = point - shadows[row.shadow as usize].velocity_at(row.arm);
+            allowed_velocity(row.depth, h, row.softness) - relative.dot(row.normal)
+        });
+        let rigid = self.rigid.iter().map(|row| row.closing(shadows, h));
+        contacts.chain(rigid).fold(0.0, f64::max)
+    }
+
+    /// Body and node of each term of a contact.
+    pub fn nodes_of(&self, row: &Row) -> impl Iterator<Item = (u32, u32)> {
+        let terms = self.terms_of(row.terms).iter();
+        terms
+            .map(|t| &self.nodes[t.node as usize])
+            .map(|n| (n.body, n.node))
     }
 
     /// The terms of a row.

@@ -1,12 +1,13 @@
 //! Gauss–Seidel passes over all rows of a group.
 
 use super::climb::Attempt;
+use super::contact::Answer;
 use super::points::Points;
 use super::rigid::start_rigid;
 use super::squeeze::Squeeze;
 use super::worklist::Worklist;
 use super::{JointRow, LEAD_RATE, RigidRow, Row, Rows, Term, Tie};
-use crate::law::row::{Lift, allowed_velocity, friction_impulse, normal_impulse, turning};
+use crate::law::row::{Lift, allowed_velocity, turning};
 use crate::math::{DMat3, DVec3, na};
 use crate::solve::shadow::Shadow;
 
@@ -46,13 +47,14 @@ impl Rows {
         pass.prepare_lifts(self.fastest_lift);
         pass.start_shadows();
         pass.start_warm(&mut self.clusters);
-        let most = if pass.is_coupled() {
+        let most = if self.blow || pass.is_coupled() {
             4 * passes
         } else {
             passes
         };
         for n in 0..most {
             pass.tolerance = if n < passes { 1e-9 } else { 1e-3 };
+
             let changed = if reversed == (n % 2 == 0) {
                 pass.solve_joints(true)
                     | pass.solve_rigid(true)
@@ -120,14 +122,24 @@ impl Pass<'_> {
     fn prepare(&mut self) {
         for row in &mut *self.contacts {
             let shadow = &self.shadows[row.shadow as usize];
-            let rigid = row.rigid_share * shadow.response(row.arm, row.normal);
-            row.mass = inverse(self.points.response(row.terms) + rigid + row.softness);
-            row.turning = if shadow.w != DVec3::ZERO {
+            let mut allowed = allowed_velocity(row.depth, self.h, row.softness);
+            if shadow.w != DVec3::ZERO {
                 let relative = self.points.velocity(row.terms) - shadow.velocity_at(row.arm);
-                turning(shadow.w, relative, row.arm, row.normal, self.h)
+                allowed += turning(shadow.w, relative, row.arm, row.normal, self.h);
+            }
+            let own = self.points.response(row.terms);
+            let rigid = if self.worklist.moves(row.shadow) {
+                shadow.response_matrix(row.arm) * row.rigid_share
             } else {
-                0.0
+                DMat3::ZERO
             };
+            row.answer = Answer {
+                allowed,
+                own,
+                rigid,
+                mass: 0.0,
+            };
+            row.answer.mass = inverse(own + row.answer.rigid_along(row.normal) + row.softness);
         }
         for tie in &mut *self.ties {
             let own = self.points.response(tie.terms) + tie.softness;
@@ -165,7 +177,7 @@ impl Pass<'_> {
                 .try_fold(f64::INFINITY, |least, r| r.map(|r| least.min(r)));
             if let Some(response) = least {
                 let speed = (row.depth * LEAD_RATE).min(fastest);
-                let mass = inverse(response) + inverse(self.points.response(row.terms));
+                let mass = inverse(response) + inverse(row.answer.own);
                 let left = LIFT_IMPULSE * speed * mass;
                 row.lift = Lift { speed, left };
             }
@@ -218,44 +230,60 @@ impl Pass<'_> {
 
     /// Solves a row as if it were the only one; whether it was not settled yet.
     pub fn solve_row(&mut self, i: usize) -> bool {
-        let mut changed = self.press(i, self.contacts[i].mass);
-        if let Some((slip, direction)) = self.slip(i) {
-            let mass = self.mass_along(i, direction);
-            changed |= self.rub(i, slip, mass);
+        let mut relative = self.relative(i);
+        let row = &mut self.contacts[i];
+        let pressed = row.press(relative, row.answer.mass);
+        let mut impulse = row.normal * pressed;
+        let least = self.tolerance * row.normal_impulse;
+        let mut changed = pressed.abs() > least;
+        if row.rubs() {
+            relative += row.answer.to(impulse);
+            let slip = row.slip(relative);
+            let mass = row.answer.mass_along(slip);
+            let rubbed = row.rub(slip, mass);
+            changed |= rubbed.length_squared() > least * least;
+            impulse += rubbed;
         }
-        changed
+        self.give(i, impulse);
+        self.note(i, changed)
     }
 
-    /// Effective mass of a row alone along `direction` \[kg\].
-    pub fn mass_along(&self, i: usize, direction: DVec3) -> f64 {
+    /// Velocity of a row's point relative to its shadow's surface \[m/s\].
+    #[inline(always)]
+    fn relative(&self, i: usize) -> DVec3 {
         let row = &self.contacts[i];
         let shadow = &self.shadows[row.shadow as usize];
-        let rigid = row.rigid_share * shadow.response(row.arm, direction);
-        inverse(self.points.response(row.terms) + rigid)
+        self.points.velocity(row.terms) - shadow.velocity_at(row.arm)
+    }
+
+    /// Gives both sides of a row an impulse \[N·s\].
+    #[inline(always)]
+    pub fn give(&mut self, i: usize, impulse: DVec3) {
+        if impulse == DVec3::ZERO {
+            return;
+        }
+        let row = &self.contacts[i];
+        self.points.push(row.terms, impulse);
+        if self.worklist.moves(row.shadow) {
+            self.shadows[row.shadow as usize].push(row.arm, -impulse * row.rigid_share);
+        }
     }
 
     /// By how much the normal velocity of a row exceeds what it must be at least \[m/s\].
     #[inline(always)]
     pub fn excess(&self, i: usize) -> f64 {
-        let row = &self.contacts[i];
-        let shadow = &self.shadows[row.shadow as usize];
-        let relative = self.points.velocity(row.terms) - shadow.velocity_at(row.arm);
-        let allowed = allowed_velocity(row.depth, self.h, row.softness) + row.turning;
-        relative.dot(row.normal) + row.softness * row.normal_impulse - allowed
+        self.contacts[i].excess(self.relative(i))
     }
 
     /// The normal impulse of a row with an effective mass of `mass` kg.
     pub fn press(&mut self, i: usize, mass: f64) -> bool {
-        let excess = self.excess(i);
+        let relative = self.relative(i);
         let row = &mut self.contacts[i];
-        let excess = row.lift.excess(excess, mass);
-        let jn = normal_impulse(row.normal_impulse, 0.0, excess, mass);
-        let change = jn - row.normal_impulse;
-        row.normal_impulse = jn;
-        let along = row.normal * change;
-        self.points.push(row.terms, along);
-        self.shadows[row.shadow as usize].push(row.arm, -along * row.rigid_share);
-        self.note(i, change.abs() > self.tolerance * jn)
+        let pressed = row.press(relative, mass);
+        let changed = pressed.abs() > self.tolerance * row.normal_impulse;
+        let impulse = row.normal * pressed;
+        self.give(i, impulse);
+        self.note(i, changed)
     }
 
     /// Has those looked at again that a changed row concerns; `changed` again.
@@ -268,35 +296,18 @@ impl Pass<'_> {
         changed
     }
 
-    /// The slip velocity of a row and its direction, if there is slip and friction.
-    pub fn slip(&self, i: usize) -> Option<(DVec3, DVec3)> {
-        let row = &self.contacts[i];
-        if row.friction_limit() <= 0.0 && row.friction_impulse == DVec3::ZERO {
-            return None;
-        }
-        let slip = self.slip_of(i);
-        let speed = slip.length();
-        (speed > 0.0).then(|| (slip, slip / speed))
-    }
-
     /// The slip velocity of a row, whether there is friction or not \[m/s\].
     #[inline(always)]
-    pub fn slip_of(&self, i: usize) -> DVec3 {
-        let row = &self.contacts[i];
-        let shadow = &self.shadows[row.shadow as usize];
-        let relative = self.points.velocity(row.terms) - shadow.velocity_at(row.arm);
-        relative - row.normal * relative.dot(row.normal)
+    pub fn slip(&self, i: usize) -> DVec3 {
+        self.contacts[i].slip(self.relative(i))
     }
 
     /// The friction impulse of a row against `slip` m/s, with an effective mass of `mass` kg.
     pub fn rub(&mut self, i: usize, slip: DVec3, mass: f64) -> bool {
         let row = &mut self.contacts[i];
-        let jt = friction_impulse(row.friction_impulse, slip, mass, row.friction_limit());
-        let change = jt - row.friction_impulse;
-        row.friction_impulse = jt;
-        self.points.push(row.terms, change);
-        self.shadows[row.shadow as usize].push(row.arm, -change * row.rigid_share);
-        let changed = change.length() > self.tolerance * row.normal_impulse;
+        let rubbed = row.rub(slip, mass);
+        let changed = rubbed.length() > self.tolerance * row.normal_impulse;
+        self.give(i, rubbed);
         self.note(i, changed)
     }
 

@@ -5,6 +5,7 @@
 //! to everything beside it. Their impulses stay among the shadows: Rapier gets only what deformables gave.
 
 use super::climb::Climb;
+use super::contact::Answer;
 use crate::law::row::{allowed_velocity, friction_impulse, normal_impulse};
 use crate::math::DVec3;
 use crate::solve::shadow::Shadow;
@@ -35,10 +36,10 @@ pub struct RigidRow {
     pub friction_impulse: DVec3,
     /// Whether the bodies have pressed on each other in any substep so far.
     pub pressed: bool,
-    /// Effective mass along the normal \[kg\]; set by the pass, as what follows.
-    pub mass: f64,
-    /// Smallest relative normal velocity that is allowed \[m/s\].
-    pub allowed: f64,
+    /// What the pass makes of it, the second one's point being that which gets the impulse.
+    pub answer: Answer,
+    /// Which of the shadows give way; set by the pass.
+    pub moves: [bool; 2],
 }
 
 /// Starts a substep of h s: shadows get what the rows gave them in the last one, or that share of it which leads farthest
@@ -46,8 +47,7 @@ pub struct RigidRow {
 pub(super) fn start_rigid(rows: &mut [RigidRow], shadows: &mut [Shadow], h: f64) {
     let mut climb = Climb::default();
     for row in &mut *rows {
-        row.allowed = allowed_velocity(-row.gap, h, 0.0);
-        row.mass = row.effective_mass(shadows, row.normal);
+        row.prepare(shadows, h);
         climb.slope += row.slope(shadows);
     }
     for row in &*rows {
@@ -72,32 +72,58 @@ impl RigidRow {
     /// The slope of what rows minimise along the impulse of this one, times the impulse \[J\].
     fn slope(&self, shadows: &[Shadow]) -> f64 {
         let v = self.velocity(shadows);
-        self.normal_impulse * (v.dot(self.normal) - self.allowed)
+        self.normal_impulse * (v.dot(self.normal) - self.answer.allowed)
             + self.friction_impulse.dot(v - self.belt)
+    }
+
+    /// The speed that it has to stop in a substep of h s \[m/s\].
+    pub(super) fn closing(&self, shadows: &[Shadow], h: f64) -> f64 {
+        allowed_velocity(-self.gap, h, 0.0) - self.velocity(shadows).dot(self.normal)
+    }
+
+    fn prepare(&mut self, shadows: &[Shadow], h: f64) {
+        let sides = self.shadows.map(|i| &shadows[i as usize]);
+        self.moves = sides.map(Shadow::gives_way);
+        self.answer = Answer {
+            allowed: allowed_velocity(-self.gap, h, 0.0),
+            ..Answer::default()
+        };
+        for (k, side) in sides
+            .into_iter()
+            .enumerate()
+            .filter(|(k, _)| self.moves[*k])
+        {
+            self.answer.rigid += side.response_matrix(self.arms[k]) * self.shares[k];
+        }
+        self.answer.mass = self.answer.mass_along(self.normal);
     }
 
     /// One visit of a pass; whether it was not settled yet.
     pub(super) fn solve(&mut self, shadows: &mut [Shadow], tolerance: f64) -> bool {
-        let speed = self.velocity(shadows).dot(self.normal);
-        let jn = normal_impulse(self.normal_impulse, self.allowed, speed, self.mass);
-        let change = jn - self.normal_impulse;
-        let mut changed = change.abs() > tolerance * jn;
+        let mut relative = self.velocity(shadows);
+        let Answer { allowed, mass, .. } = self.answer;
+        let jn = normal_impulse(
+            self.normal_impulse,
+            allowed,
+            relative.dot(self.normal),
+            mass,
+        );
+        let pressed = jn - self.normal_impulse;
+        let mut impulse = self.normal * pressed;
+        let mut changed = pressed.abs() > tolerance * jn;
         self.normal_impulse = jn;
-        self.push(shadows, self.normal * change);
         let limit = self.friction * jn;
         if limit > 0.0 || self.friction_impulse != DVec3::ZERO {
-            let relative = self.velocity(shadows) - self.belt;
+            relative += self.answer.to(impulse) - self.belt;
             let slip = relative - self.normal * relative.dot(self.normal);
-            let speed = slip.length();
-            if speed > 0.0 {
-                let mass = self.effective_mass(shadows, slip / speed);
-                let jt = friction_impulse(self.friction_impulse, slip, mass, limit);
-                let change = jt - self.friction_impulse;
-                changed |= change.length() > tolerance * jn;
-                self.friction_impulse = jt;
-                self.push(shadows, change);
-            }
+            let mass = self.answer.mass_along(slip);
+            let jt = friction_impulse(self.friction_impulse, slip, mass, limit);
+            let rubbed = jt - self.friction_impulse;
+            changed |= rubbed.length() > tolerance * jn;
+            self.friction_impulse = jt;
+            impulse += rubbed;
         }
+        self.push(shadows, impulse);
         changed
     }
 
@@ -113,17 +139,12 @@ impl RigidRow {
         at(1) - at(0)
     }
 
-    fn effective_mass(&self, shadows: &[Shadow], direction: DVec3) -> f64 {
-        let response = |k: usize| {
-            let shadow = &shadows[self.shadows[k] as usize];
-            self.shares[k] * shadow.response(self.arms[k], direction)
-        };
-        let k = response(0) + response(1);
-        if k > 0.0 { 1.0 / k } else { 0.0 }
-    }
-
     fn push(&self, shadows: &mut [Shadow], impulse: DVec3) {
-        for (k, sign) in [-1.0, 1.0].into_iter().enumerate() {
+        if impulse == DVec3::ZERO {
+            return;
+        }
+        for k in (0..2).filter(|k| self.moves[*k]) {
+            let sign = [-1.0, 1.0][k];
             let shadow = &mut shadows[self.shadows[k] as usize];
             shadow.push(self.arms[k], impulse * (sign * self.shares[k]));
         }

@@ -125,7 +125,7 @@ impl Pass<'_> {
             if left.abs() <= SETTLED * v.abs() {
                 break;
             }
-            let alone = self.contacts[i].mass;
+            let alone = self.contacts[i].answer.mass;
             mass = if left > 0.0 {
                 alone
             } else {
@@ -141,13 +141,17 @@ impl Pass<'_> {
 
     /// The friction impulse, likewise.
     fn rub_squeezed(&mut self, i: usize) -> bool {
-        let Some((slip, direction)) = self.slip(i) else {
+        let row = &self.contacts[i];
+        let mut slip = self.slip(i);
+        let speed = slip.length();
+        if !row.rubs() || speed == 0.0 {
             return false;
-        };
-        let alone = self.mass_along(i, direction);
+        }
+        let direction = slip / speed;
+        let alone = row.answer.mass_along(direction);
         let most = self.squeezed_mass(i, direction, 0.0, Hold::All);
         let mut mass = self.squeezed_mass(i, direction, 0.0, Hold::Active);
-        let (mut slip, mut changed) = (slip, false);
+        let mut changed = false;
         for _ in 0..TRIES {
             let before = self.contacts[i].friction_impulse;
             if !self.rub(i, slip, mass) {
@@ -156,7 +160,7 @@ impl Pass<'_> {
             changed = true;
             self.answer(i);
             let change = self.contacts[i].friction_impulse - before;
-            let left = self.slip(i).map_or(DVec3::ZERO, |(slip, _)| slip);
+            let left = self.slip(i);
             if left.length() <= SETTLED * slip.length() {
                 break;
             }
@@ -191,8 +195,7 @@ impl Pass<'_> {
     /// counts as if it were alone: no impulse can answer it.
     fn squeezed_mass(&self, i: usize, direction: DVec3, softness: f64, hold: Hold) -> f64 {
         let row = &self.contacts[i];
-        let rigid =
-            row.rigid_share * self.shadows[row.shadow as usize].response(row.arm, direction);
+        let rigid = row.answer.rigid_along(direction);
         let (mut alone, mut squeezed) = (0.0, 0.0);
         for term in self.points.terms_of(row.terms) {
             let share = term.weight * term.share;
@@ -225,10 +228,9 @@ impl Pass<'_> {
             if hold == Hold::Active && row.normal_impulse <= 0.0 {
                 continue;
             }
-            let shadow = &self.shadows[row.shadow as usize];
             let mut keep = |direction: DVec3, softness: f64| {
                 let given = response * direction;
-                let rigid = row.rigid_share * shadow.response(row.arm, direction);
+                let rigid = row.answer.rigid_along(direction);
                 let k = direction.dot(given) + rigid + softness;
                 if k > HELD * inv_mass {
                     let by = given / k;

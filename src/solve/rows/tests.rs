@@ -1,6 +1,7 @@
 mod energy;
 
 use super::*;
+use crate::law::row::Lift;
 use crate::math::DMat3;
 use crate::solve::shadow::Shadow;
 
@@ -49,8 +50,7 @@ fn row(terms: Terms) -> Row {
         carried: 0.0,
         normal_impulse: 0.0,
         friction_impulse: DVec3::ZERO,
-        mass: 0.0,
-        turning: 0.0,
+        answer: Default::default(),
         lift: Lift::default(),
     }
 }

@@ -79,10 +79,8 @@ impl Pass<'_> {
             let slope = self.tie_slope(i) - tie.softness * tie.impulse.length_squared();
             clusters.climb(tie.terms, terms).slope += slope;
         }
-        for row in self.contacts.iter().filter(|r| r.impulse() != DVec3::ZERO) {
-            let j = row.impulse();
-            self.points.push(row.terms, j);
-            self.shadows[row.shadow as usize].push(row.arm, -j * row.rigid_share);
+        for i in rows.clone() {
+            self.give(i, self.contacts[i].impulse());
         }
         for tie in &*self.ties {
             self.points.push(tie.terms, tie.impulse);

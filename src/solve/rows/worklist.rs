@@ -4,7 +4,6 @@
 //! cost what there is to do.
 
 use super::{JointRow, RigidRow, Term};
-use crate::math::DMat3;
 use crate::solve::shadow::Shadow;
 
 /// When nodes and shadows last changed, in visits since the substep began.
@@ -30,9 +29,8 @@ impl Worklist {
         fill(&mut self.nodes, nodes, 1);
         fill(&mut self.shadows, shadows.len(), 0);
         fill(&mut self.visits, rows, 0);
-        let moves = |s: &Shadow| s.inv_mass != DMat3::ZERO || s.inv_inertia != DMat3::ZERO;
         self.moves.clear();
-        self.moves.extend(shadows.iter().map(moves));
+        self.moves.extend(shadows.iter().map(Shadow::gives_way));
         for (last, moves) in self.shadows.iter_mut().zip(&self.moves) {
             *last = u32::from(*moves);
         }

@@ -1,0 +1,153 @@
+//! A row of contact: what it is given, what it has done, and how the two sides answer.
+
+use super::Terms;
+use crate::law::row::{Lift, friction_impulse, normal_impulse};
+use crate::math::{DMat3, DVec3};
+
+/// How the two sides of a row answer its impulses, set by the pass for a substep.
+#[derive(Clone, Copy, Debug)]
+pub struct Answer {
+    /// Smallest relative normal velocity that is allowed \[m/s\].
+    pub allowed: f64,
+    /// Velocity of the point by its impulse \[1/kg\].
+    pub own: f64,
+    /// Velocity of the shadow there, against the impulse \[1/kg\].
+    pub rigid: DMat3,
+    /// Effective mass along the normal \[kg\].
+    pub mass: f64,
+}
+
+impl Default for Answer {
+    /// That of what nothing moves.
+    fn default() -> Self {
+        Self {
+            allowed: 0.0,
+            own: 0.0,
+            // A matrix's own default is the identity.
+            rigid: DMat3::ZERO,
+            mass: 0.0,
+        }
+    }
+}
+
+impl Answer {
+    /// Relative velocity by an impulse \[m/s\].
+    #[inline(always)]
+    pub fn to(&self, impulse: DVec3) -> DVec3 {
+        impulse * self.own + self.rigid * impulse
+    }
+
+    /// What the shadow alone gives way along `direction` \[1/kg\].
+    #[inline(always)]
+    pub fn rigid_along(&self, direction: DVec3) -> f64 {
+        direction.dot(self.rigid * direction)
+    }
+
+    /// Effective mass along `direction`, which may be of any length \[kg\].
+    #[inline(always)]
+    pub fn mass_along(&self, direction: DVec3) -> f64 {
+        let square = direction.length_squared();
+        let given = self.own * square + self.rigid_along(direction);
+        if given > 0.0 { square / given } else { 0.0 }
+    }
+}
+
+/// A unilateral contact with friction, of a point with a shadow or of points of two deformables.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// The nodes of the point.
+    pub terms: Terms,
+    /// Index into the shadows; 0 for a row between two deformables.
+    pub shadow: u32,
+    /// Which pair of deformable and partner the impulse is counted for.
+    pub pair: u32,
+    /// Whether it lies between two deformables.
+    pub between: bool,
+    /// From the collider, or the second deformable, to the outside.
+    pub normal: DVec3,
+    /// Signed depth, positive inside \[m\].
+    pub depth: f64,
+    /// From the shadow's centre of mass to the point \[m\].
+    pub arm: DVec3,
+    /// What the shadow takes of the impulse: 1, or 0 for a body that dominates the deformable.
+    pub rigid_share: f64,
+    /// Coulomb's μ.
+    pub friction: f64,
+    /// 0 for a rigid contact, 1/(h²k) of one with a stiffness of k N/m \[1/kg\].
+    pub softness: f64,
+    /// How far the point has slipped from where friction took hold of it \[m\].
+    pub drift: DVec3,
+    /// Normal impulse of earlier substeps that friction has not answered yet \[N·s\].
+    pub carried: f64,
+    /// Accumulated normal impulse \[N·s\].
+    pub normal_impulse: f64,
+    /// Accumulated friction impulse \[N·s\].
+    pub friction_impulse: DVec3,
+    /// What the pass makes of it.
+    pub answer: Answer,
+    /// How it takes the body along that holds its nodes.
+    pub lift: Lift,
+}
+
+impl Row {
+    /// It before it has done anything.
+    pub fn fresh(&self) -> Self {
+        Self {
+            normal_impulse: 0.0,
+            friction_impulse: DVec3::ZERO,
+            lift: Lift::default(),
+            ..*self
+        }
+    }
+
+    /// Impulse on the point so far \[N·s\].
+    pub fn impulse(&self) -> DVec3 {
+        self.normal * self.normal_impulse + self.friction_impulse
+    }
+
+    /// The most that friction can do \[N·s\].
+    pub fn friction_limit(&self) -> f64 {
+        self.friction * (self.normal_impulse + self.carried)
+    }
+
+    /// Whether friction holds the point: it is pressed on, and not at the limit of its cone.
+    pub fn sticks(&self) -> bool {
+        self.normal_impulse > 0.0
+            && self.friction_impulse.length() < self.friction_limit() * (1.0 - 1e-9)
+    }
+
+    /// By how much the normal part of a relative velocity exceeds what it must be at least \[m/s\].
+    #[inline(always)]
+    pub(super) fn excess(&self, relative: DVec3) -> f64 {
+        relative.dot(self.normal) + self.softness * self.normal_impulse - self.answer.allowed
+    }
+
+    /// The part of a relative velocity along the surface \[m/s\].
+    #[inline(always)]
+    pub(super) fn slip(&self, relative: DVec3) -> DVec3 {
+        relative - self.normal * relative.dot(self.normal)
+    }
+
+    /// Whether friction has anything to say.
+    #[inline(always)]
+    pub(super) fn rubs(&self) -> bool {
+        self.friction_limit() > 0.0 || self.friction_impulse != DVec3::ZERO
+    }
+
+    /// Changes the normal impulse with an effective mass of `mass` kg, and says by what \[N·s\].
+    #[inline(always)]
+    pub(super) fn press(&mut self, relative: DVec3, mass: f64) -> f64 {
+        let excess = self.lift.excess(self.excess(relative), mass);
+        let before = self.normal_impulse;
+        self.normal_impulse = normal_impulse(before, 0.0, excess, mass);
+        self.normal_impulse - before
+    }
+
+    /// Changes the friction impulse against `slip` m/s likewise.
+    #[inline(always)]
+    pub(super) fn rub(&mut self, slip: DVec3, mass: f64) -> DVec3 {
+        let before = self.friction_impulse;
+        self.friction_impulse = friction_impulse(before, slip, mass, self.friction_limit());
+        self.friction_impulse - before
+    }
+}
