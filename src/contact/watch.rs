@@ -4,8 +4,9 @@
 //! is looked at again only when the way moved since then may have used up its distance: at rest that is what touches and
 //! nothing else, and a body that flies past looks at far things seldom.
 
-/// How many reaches beyond the present one are listed at once: a list lasts for dozens of substeps.
-const AHEAD: f64 = 64.0;
+/// How many steps beyond the present reach are listed at once: a list lasts for a dozen substeps, and what is in it costs
+/// something in each of them.
+const AHEAD: f64 = 16.0;
 
 /// Elements of a body that may come near something.
 #[derive(Clone, Debug, Default)]
@@ -19,6 +20,9 @@ pub struct Watch {
     /// Those that may arrive before `until`, and a few more, in ascending order.
     soon: Vec<u32>,
     until: f64,
+    /// The way up to which all that may arrive is listed \[m\], and how many of those listed turned out to arrive later.
+    horizon: f64,
+    late: usize,
 }
 
 impl Watch {
@@ -47,7 +51,10 @@ impl Watch {
             self.due.resize(count, f64::NEG_INFINITY);
             self.until = f64::NEG_INFINITY;
         }
-        if way + reach >= self.until {
+        // What is late stays in the list and is passed over in every visit: at first that is nearly all. A few are not worth
+        // a look at all others.
+        let stale = 2 * self.late > self.soon.len() && 16 * self.late > count;
+        if way + reach >= self.until || stale {
             self.gather(way + reach + AHEAD * step);
         }
         for &i in &self.soon {
@@ -57,13 +64,14 @@ impl Watch {
                 continue;
             }
             *due = way + look(i);
+            self.late += usize::from(*due > self.horizon);
         }
     }
 
     /// Lists what may arrive before the way `horizon`.
     fn gather(&mut self, horizon: f64) {
         self.soon.clear();
-        self.until = f64::INFINITY;
+        (self.until, self.horizon, self.late) = (f64::INFINITY, horizon, 0);
         for (i, &due) in (0..).zip(&self.due) {
             if due > horizon {
                 self.until = self.until.min(due);
@@ -117,6 +125,23 @@ mod tests {
             "{looks} of {all}, {near} near"
         );
         assert!(watch.within(way, reach).count() < 20);
+    }
+
+    /// What rests is not passed over again and again because all had to be looked at once.
+    #[test]
+    fn at_rest_only_what_is_near_stays_listed() {
+        let mut watch = Watch::default();
+        for _ in 0..3 {
+            watch.visit(1000, 0.0, (1e-3, 1e-3), |i| f64::from(i) * 1e-2);
+        }
+        assert_eq!(watch.soon.len(), 2);
+        // Nothing is forgotten by that.
+        let mut seen = Vec::new();
+        watch.visit(1000, 0.5, (1e-3, 1e-3), |i| {
+            seen.push(i);
+            f64::from(i) * 1e-2 - 0.5
+        });
+        assert!(seen.len() > 40 && seen.is_sorted(), "{seen:?}");
     }
 
     #[test]

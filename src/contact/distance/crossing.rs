@@ -36,13 +36,6 @@ impl Solid {
         let mut edge = 0;
         let margin = DVec3::splat(within + self.radius);
         let (lo, hi) = (a.min(b) - margin, a.max(b) + margin);
-        let straight = |[p, q]: [DVec3; 2], normals: [DVec3; 2]| {
-            let apart = p.max(q).cmplt(lo) | p.min(q).cmpgt(hi);
-            if apart.any() {
-                return None;
-            }
-            cross([a, b], [p, q], normals)
-        };
         let mut give = |meeting: Option<(f64, DVec3, f64)>| {
             if let Some((t, normal, distance)) = meeting {
                 found(Crossing {
@@ -56,12 +49,22 @@ impl Solid {
         };
         match &self.core {
             Core::Cuboid(half) => {
-                for (ends, normals) in (0..12).map(|i| cuboid_edge(i, *half)) {
-                    give(straight(ends, normals));
+                let near = cuboid_edges_near(*half, lo, hi);
+                for i in 0..12 {
+                    let (ends, normals) = cuboid_edge(i, *half);
+                    give(
+                        (near >> i & 1 == 1)
+                            .then(|| cross([a, b], ends, normals))
+                            .flatten(),
+                    );
                 }
             }
             Core::Hull(hull) => {
-                hull.for_each_edge(&mut |ends, normals| give(straight(ends, normals)));
+                hull.for_each_edge(&mut |[p, q], normals| {
+                    let apart = p.max(q).cmplt(lo) | p.min(q).cmpgt(hi);
+                    let meeting = (!apart.any()).then(|| cross([a, b], [p, q], normals));
+                    give(meeting.flatten());
+                });
             }
             Core::Cylinder(half_height, radius) => {
                 for side in [-1.0, 1.0] {
@@ -111,6 +114,22 @@ impl Solid {
             Core::Point | Core::Segment(..) | Core::Cylinder(..) | Core::Cone(..)
         )
     }
+}
+
+/// One bit for each edge of a cuboid that is anywhere in a box.
+fn cuboid_edges_near(half: DVec3, lo: DVec3, hi: DVec3) -> u32 {
+    let spans = (lo.cmple(half) & hi.cmpge(-half)).bitmask();
+    let sides = [
+        (lo.cmple(-half) & hi.cmpge(-half)).bitmask(),
+        (lo.cmple(half) & hi.cmpge(half)).bitmask(),
+    ];
+    let mut near = 0;
+    for i in 0..12 {
+        let (along, first, second) = (i / 4, (i / 4 + 1) % 3, (i / 4 + 2) % 3);
+        let within = spans >> along & sides[i & 1] >> first & sides[i >> 1 & 1] >> second & 1;
+        near |= within << i;
+    }
+    near
 }
 
 /// Edge `i` of 12 of a cuboid: its ends and the normals of its faces.
@@ -235,6 +254,30 @@ mod tests {
         assert_eq!(near.len(), 1, "{found:?}");
         assert!((near[0].distance - 0.01).abs() < 1e-7 && (near[0].t - 0.5).abs() < 1e-6);
         assert!((near[0].normal - DVec3::new(1.0, 1.0, 0.0).normalize()).length() < 1e-6);
+    }
+
+    /// The bits are those of the boxes around the edges, tested one by one.
+    #[test]
+    fn edges_of_a_cuboid_that_are_near_are_known_by_their_bits() {
+        let half = DVec3::new(0.3, 0.2, 0.1);
+        let (mut some, mut seed) = (0, 1_u32);
+        let mut number = || {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(seed >> 8) / f64::from(1 << 24) - 0.5
+        };
+        for _ in 0..10_000 {
+            let a = DVec3::new(number(), number(), number());
+            let b = a + DVec3::new(number(), number(), number()) * 2.0;
+            let (lo, hi) = (a.min(b), a.max(b));
+            let near = cuboid_edges_near(half, lo, hi);
+            for i in 0..12 {
+                let ([p, q], _) = cuboid_edge(i, half);
+                let apart = p.max(q).cmplt(lo) | p.min(q).cmpgt(hi);
+                assert_eq!(near >> i & 1 == 1, !apart.any(), "edge {i}, {lo} to {hi}");
+            }
+            some += near.count_ones();
+        }
+        assert!(some > 1000, "{some}");
     }
 
     #[test]
