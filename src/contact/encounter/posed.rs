@@ -53,13 +53,16 @@ impl<'a> Posed<'a> {
     /// The corners of an element \[m\].
     #[inline(always)]
     pub fn corners(&self, element: u32) -> [DVec3; 3] {
-        self.outline.elements[element as usize].map(|n| self.at(n))
+        // Not by `map`, which is a call for each of them here.
+        let [a, b, c] = self.outline.elements[element as usize];
+        [self.at(a), self.at(b), self.at(c)]
     }
 
     /// The ends of an edge \[m\].
     #[inline(always)]
     pub fn ends(&self, edge: u32) -> [DVec3; 2] {
-        self.outline.edges[edge as usize].nodes.map(|n| self.at(n))
+        let [a, b] = self.outline.edges[edge as usize].nodes;
+        [self.at(a), self.at(b)]
     }
 
     /// The point of an element nearest to `x`.
