@@ -6,6 +6,7 @@
 //! velocity it got. That may strike something else in its turn, so this goes on until nothing changes. Blows are events:
 //! what is done here may allocate.
 
+use super::Deformable;
 use super::substep::{Group, Settings};
 use crate::contact::site::slot;
 use crate::math::DVec3;
@@ -40,7 +41,9 @@ impl Group {
             h * s.length_unit
         };
         let limit = unseen / h;
-        if closing <= unseen || self.rows.fastest_to_stop(&self.shadows, h) <= limit {
+        // Shadows that strike each other, and nodes that are torn along, need not be near anything yet.
+        let alone = self.rows.ties.is_empty() && self.rows.rigid.is_empty();
+        if alone && closing <= unseen || self.rows.fastest_to_stop(&self.shadows, h) <= limit {
             return;
         }
         self.rows.blow = true;
@@ -54,10 +57,22 @@ impl Group {
             if !self.note_struck(&mut ahead, &tried, &shadows, limit) {
                 return;
             }
-            self.look_ahead(&ahead, h, s);
-            self.keep_acting(&tried);
+            let found = self.look_ahead(&ahead, h, s);
+            self.forget_rows();
+            self.look(h, s);
+            self.add_missing(&found, |_| true);
+            self.add_missing(&tried, |row| row.normal_impulse > 0.0);
             self.find_ties(h, s.push_out);
         }
+    }
+
+    /// Forgets the rows of the substep, and which nodes have any.
+    fn forget_rows(&mut self) {
+        for node in &self.rows.nodes {
+            self.members[node.body as usize].1.slots[node.node as usize] = u32::MAX;
+        }
+        self.rows.clear();
+        self.rows.blow = true;
     }
 
     /// Notes what the trial has made faster or slower by more than `limit` m/s than it was looked at with; whether there is
@@ -87,34 +102,23 @@ impl Group {
         any
     }
 
-    /// Looks for contacts with other velocities. The row nodes start with their own.
-    fn look_ahead(&mut self, ahead: &Ahead, h: f64, s: &Settings) {
-        for node in &self.rows.nodes {
-            self.members[node.body as usize].1.slots[node.node as usize] = u32::MAX;
-        }
-        self.rows.clear();
-        let speeds = self
-            .members
-            .iter()
-            .map(|(_, body)| body.solver.speed_squared);
-        let speeds: Vec<f32> = speeds.collect();
-        let own: Vec<DVec3> = ahead
-            .nodes
-            .iter()
-            .map(|(&(m, node), v)| {
-                let body = &mut self.members[m as usize].1;
-                let own = body.state.velocity(node as usize);
-                body.state.set_velocity(node as usize, *v);
-                let speed = body.solver.speed_squared;
-                body.solver.speed_squared = speed.max(v.length_squared() as f32 * (1.0 + 1e-6));
-                own
-            })
-            .collect();
+    /// The contacts that are found with other velocities.
+    fn look_ahead(&mut self, ahead: &Ahead, h: f64, s: &Settings) -> Rows {
+        self.forget_rows();
+        let speeds = self.members.iter();
+        let speeds: Vec<f32> = speeds.map(|(_, body)| body.solver.speed_squared).collect();
         let shadows = self.shadows.clone();
+        let mut own = Vec::with_capacity(ahead.nodes.len());
+        for (&(m, node), v) in &ahead.nodes {
+            let Deformable { state, solver, .. } = &mut *self.members[m as usize].1;
+            own.push(state.velocity(node as usize));
+            state.set_velocity(node as usize, *v);
+            let square = v.length_squared() as f32 * (1.0 + 1e-6);
+            solver.speed_squared = solver.speed_squared.max(square);
+        }
         for (shadow, &(v, w)) in self.shadows.iter_mut().zip(&ahead.shadows) {
             (shadow.v, shadow.w) = (v, w);
         }
-        self.rows.blow = true;
         self.look(h, s);
         self.shadows = shadows;
         for (&(m, node), own) in ahead.nodes.keys().zip(own) {
@@ -123,33 +127,26 @@ impl Group {
         }
         for ((_, body), speed) in self.members.iter_mut().zip(speeds) {
             body.solver.speed_squared = speed;
-            body.follow();
         }
-        for node in &mut self.rows.nodes {
-            let v = self.members[node.body as usize]
-                .1
-                .state
-                .velocity(node.node as usize);
-            (node.v, node.free, node.before) = (v, v, v);
-        }
+        self.rows.clone()
     }
 
-    /// Takes over the contacts that acted when they were tried out and that are not found by the velocities after the blow:
-    /// that of a node with the wall that stopped it, say.
-    fn keep_acting(&mut self, tried: &Rows) {
+    /// Takes over those of other contacts that are wanted and not found by the nodes' own velocities. Touches are remembered
+    /// of what is found by those, which is all that was near already.
+    fn add_missing(&mut self, others: &Rows, wanted: impl Fn(&Row) -> bool) {
         let found = self.rows.contacts.len();
-        for row in tried.contacts.iter().filter(|r| r.normal_impulse > 0.0) {
-            let again = |other: &Row| {
-                other.pair == row.pair
-                    && other.normal.dot(row.normal) > 0.9
-                    && self.rows.nodes_of(other).eq(tried.nodes_of(row))
+        for row in others.contacts.iter().filter(|row| wanted(row)) {
+            let again = |own: &Row| {
+                own.pair == row.pair
+                    && own.normal.dot(row.normal) > 0.9
+                    && self.rows.weights_of(own).eq(others.weights_of(row))
             };
             if self.rows.contacts[..found].iter().any(again) {
                 continue;
             }
             let first = self.rows.terms.len();
-            for (term, (member, node)) in tried.terms_of(row.terms).iter().zip(tried.nodes_of(row))
-            {
+            let weights = others.weights_of(row);
+            for (term, (member, node, _)) in others.terms_of(row.terms).iter().zip(weights) {
                 let body = &mut *self.members[member as usize].1;
                 let node = slot(member, node, &body.state, &mut body.slots, &mut self.rows);
                 self.rows.terms.push(Term { node, ..*term });

@@ -114,7 +114,7 @@ pub struct Rows {
     pub nodes: Vec<RowNode>,
     /// Their terms, row after row.
     pub terms: Vec<Term>,
-    /// Contacts, sorted by collider and node.
+    /// Contacts, sorted by collider and node, and behind them those of what a blow has struck.
     pub contacts: Vec<Row>,
     /// Ties, sorted by attachment and node.
     pub ties: Vec<Tie>,
@@ -199,24 +199,29 @@ impl Rows {
         }
     }
 
-    /// The greatest speed that a contact of these nodes or of shadows has to stop in a substep of h s \[m/s\].
+    /// The greatest speed that a row has to stop in a substep of h s, soft ties aside \[m/s\].
     pub fn fastest_to_stop(&self, shadows: &[Shadow], h: f64) -> f64 {
-        let contacts = self.contacts.iter().map(|row| {
+        let relative = |terms: Terms, shadow: u32, arm: DVec3| {
             let velocity = |t: &Term| self.nodes[t.node as usize].v * t.weight;
-            let point: DVec3 = self.terms_of(row.terms).iter().map(velocity).sum();
-            let relative = point - shadows[row.shadow as usize].velocity_at(row.arm);
-            allowed_velocity(row.depth, h, row.softness) - relative.dot(row.normal)
+            let point: DVec3 = self.terms_of(terms).iter().map(velocity).sum();
+            point - shadows[shadow as usize].velocity_at(arm)
+        };
+        let contacts = self.contacts.iter().map(|row| {
+            let closing = -relative(row.terms, row.shadow, row.arm).dot(row.normal);
+            closing + allowed_velocity(row.depth, h, 0.0)
         });
         let rigid = self.rigid.iter().map(|row| row.closing(shadows, h));
-        contacts.chain(rigid).fold(0.0, f64::max)
+        let ties = self.ties.iter().filter(|tie| tie.softness == 0.0);
+        let ties = ties.map(|t| (relative(t.terms, t.shadow, t.arm) - t.bias).length());
+        contacts.chain(rigid).chain(ties).fold(0.0, f64::max)
     }
 
-    /// Body and node of each term of a contact.
-    pub fn nodes_of(&self, row: &Row) -> impl Iterator<Item = (u32, u32)> {
-        let terms = self.terms_of(row.terms).iter();
-        terms
-            .map(|t| &self.nodes[t.node as usize])
-            .map(|n| (n.body, n.node))
+    /// Body, node and weight of each term of a contact.
+    pub fn weights_of(&self, row: &Row) -> impl Iterator<Item = (u32, u32, f64)> {
+        self.terms_of(row.terms).iter().map(|t| {
+            let node = &self.nodes[t.node as usize];
+            (node.body, node.node, t.weight)
+        })
     }
 
     /// The terms of a row.

@@ -240,9 +240,11 @@ impl Pass<'_> {
             relative += row.answer.to(impulse);
             let slip = row.slip(relative);
             let mass = row.answer.mass_along(slip);
-            let rubbed = row.rub(slip, mass);
-            changed |= rubbed.length_squared() > least * least;
-            impulse += rubbed;
+            if mass > 0.0 {
+                let rubbed = row.rub(slip, mass);
+                changed |= rubbed.length_squared() > least * least;
+                impulse += rubbed;
+            }
         }
         self.give(i, impulse);
         self.note(i, changed)

@@ -117,11 +117,13 @@ impl RigidRow {
             relative += self.answer.to(impulse) - self.belt;
             let slip = relative - self.normal * relative.dot(self.normal);
             let mass = self.answer.mass_along(slip);
-            let jt = friction_impulse(self.friction_impulse, slip, mass, limit);
-            let rubbed = jt - self.friction_impulse;
-            changed |= rubbed.length() > tolerance * jn;
-            self.friction_impulse = jt;
-            impulse += rubbed;
+            if mass > 0.0 {
+                let jt = friction_impulse(self.friction_impulse, slip, mass, limit);
+                let rubbed = jt - self.friction_impulse;
+                changed |= rubbed.length() > tolerance * jn;
+                self.friction_impulse = jt;
+                impulse += rubbed;
+            }
         }
         self.push(shadows, impulse);
         changed

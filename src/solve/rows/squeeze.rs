@@ -144,7 +144,7 @@ impl Pass<'_> {
         let row = &self.contacts[i];
         let mut slip = self.slip(i);
         let speed = slip.length();
-        if !row.rubs() || speed == 0.0 {
+        if !row.rubs() || speed == 0.0 || speed.is_nan() {
             return false;
         }
         let direction = slip / speed;

@@ -2,7 +2,7 @@
 //! began and nothing thicker than 2 mm is there to catch it later.
 
 use super::{Random, flat_field, grid_mesh};
-use crate::support::weightless;
+use crate::support::{close, weightless};
 use crumple::body::{Net, Node};
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
@@ -47,7 +47,7 @@ fn a_node_that_a_body_strikes_stays_over_a_thin_plate() {
         ("mesh", grid),
         ("field", flat_field(1.0, 1.0, 0.1)),
         (
-            "hull",
+            "rounded",
             ColliderBuilder::round_cuboid(0.5, 0.0005, 0.5, 0.0005),
         ),
     ];
@@ -202,5 +202,33 @@ fn a_sheet_that_a_sheet_strikes_stays_over_what_is_below() {
                 assert!(low > -1e-3, "{name}, {below} m, step {step}: {low}");
             }
         }
+    }
+}
+
+/// What lands fast is rubbed by what it lands on: by Coulomb's share of the impulse that stops it.
+#[test]
+fn a_node_that_lands_fast_is_slowed_by_friction() {
+    for on_sheet in [true, false] {
+        let mut world = weightless(DT);
+        let mut deformables = DeformableWorld::default();
+        if on_sheet {
+            let mut pinned = sheet_at(0.0, 0.1);
+            for node in &mut pinned.nodes {
+                node.pinned = true;
+            }
+            let pinned = DeformableBuilder::new(pinned).friction(0.5);
+            deformables.insert(pinned).unwrap();
+        } else {
+            world.insert(RigidBodyBuilder::fixed(), plate(0.001).friction(0.5));
+        }
+        let at = Vector::new(-0.06, 0.0137, 0.03);
+        let flying = nodes([(at, 0.01, Vector::new(10.0, -10.0, 0.0))]).friction(0.5);
+        let flying = deformables.insert(flying).unwrap();
+        for _ in 0..8 {
+            deformables.step(&mut world);
+        }
+        let v = deformables[flying].linvel();
+        assert!(v.y.abs() < 1e-3, "on a sheet: {on_sheet}, {v}");
+        close("speed along the surface", v.x, 5.0, 0.02);
     }
 }
