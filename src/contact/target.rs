@@ -158,7 +158,7 @@ impl Target {
             carried: 0.0,
             normal_impulse: 0.0,
             friction_impulse: DVec3::ZERO,
-            answer: Default::default(),
+            response: Default::default(),
             lift: Lift::default(),
         }
     }

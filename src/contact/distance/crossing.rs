@@ -51,12 +51,11 @@ impl Solid {
             Core::Cuboid(half) => {
                 let near = cuboid_edges_near(*half, lo, hi);
                 for i in 0..12 {
-                    let (ends, normals) = cuboid_edge(i, *half);
-                    give(
-                        (near >> i & 1 == 1)
-                            .then(|| cross([a, b], ends, normals))
-                            .flatten(),
-                    );
+                    let meeting = (near >> i & 1 == 1).then(|| {
+                        let (ends, normals) = cuboid_edge(i, *half);
+                        cross([a, b], ends, normals)
+                    });
+                    give(meeting.flatten());
                 }
             }
             Core::Hull(hull) => {

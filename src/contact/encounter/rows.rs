@@ -233,7 +233,7 @@ impl Encounter {
             carried: if here { touch.carried } else { 0.0 },
             normal_impulse: 0.0,
             friction_impulse: DVec3::ZERO,
-            answer: Default::default(),
+            response: Default::default(),
             lift: Lift::default(),
         });
         touches.push(touch);

@@ -6,7 +6,7 @@ use crate::math::{DMat3, DVec3};
 
 /// How the two sides of a row answer its impulses, set by the pass for a substep.
 #[derive(Clone, Copy, Debug)]
-pub struct Answer {
+pub struct Response {
     /// Smallest relative normal velocity that is allowed \[m/s\].
     pub allowed: f64,
     /// Velocity of the point by its impulse \[1/kg\].
@@ -17,7 +17,7 @@ pub struct Answer {
     pub mass: f64,
 }
 
-impl Default for Answer {
+impl Default for Response {
     /// That of what nothing moves.
     fn default() -> Self {
         Self {
@@ -30,7 +30,7 @@ impl Default for Answer {
     }
 }
 
-impl Answer {
+impl Response {
     /// Relative velocity by an impulse \[m/s\].
     #[inline(always)]
     pub fn to(&self, impulse: DVec3) -> DVec3 {
@@ -84,7 +84,7 @@ pub struct Row {
     /// Accumulated friction impulse \[N·s\].
     pub friction_impulse: DVec3,
     /// What the pass makes of it.
-    pub answer: Answer,
+    pub response: Response,
     /// How it takes the body along that holds its nodes.
     pub lift: Lift,
 }
@@ -119,7 +119,7 @@ impl Row {
     /// By how much the normal part of a relative velocity exceeds what it must be at least \[m/s\].
     #[inline(always)]
     pub(super) fn excess(&self, relative: DVec3) -> f64 {
-        relative.dot(self.normal) + self.softness * self.normal_impulse - self.answer.allowed
+        relative.dot(self.normal) + self.softness * self.normal_impulse - self.response.allowed
     }
 
     /// The part of a relative velocity along the surface \[m/s\].

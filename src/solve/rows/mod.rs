@@ -202,8 +202,7 @@ impl Rows {
     /// The greatest speed that a row has to stop in a substep of h s, soft ties aside \[m/s\].
     pub fn fastest_to_stop(&self, shadows: &[Shadow], h: f64) -> f64 {
         let relative = |terms: Terms, shadow: u32, arm: DVec3| {
-            let velocity = |t: &Term| self.nodes[t.node as usize].v * t.weight;
-            let point: DVec3 = self.terms_of(terms).iter().map(velocity).sum();
+            let point = points::velocity(&self.nodes, self.terms_of(terms));
             point - shadows[shadow as usize].velocity_at(arm)
         };
         let contacts = self.contacts.iter().map(|row| {

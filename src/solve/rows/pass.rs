@@ -1,7 +1,7 @@
 //! Gauss–Seidel passes over all rows of a group.
 
 use super::climb::Attempt;
-use super::contact::Answer;
+use super::contact::Response;
 use super::points::Points;
 use super::rigid::start_rigid;
 use super::squeeze::Squeeze;
@@ -54,7 +54,6 @@ impl Rows {
         };
         for n in 0..most {
             pass.tolerance = if n < passes { 1e-9 } else { 1e-3 };
-
             let changed = if reversed == (n % 2 == 0) {
                 pass.solve_joints(true)
                     | pass.solve_rigid(true)
@@ -133,13 +132,13 @@ impl Pass<'_> {
             } else {
                 DMat3::ZERO
             };
-            row.answer = Answer {
+            row.response = Response {
                 allowed,
                 own,
                 rigid,
                 mass: 0.0,
             };
-            row.answer.mass = inverse(own + row.answer.rigid_along(row.normal) + row.softness);
+            row.response.mass = inverse(own + row.response.rigid_along(row.normal) + row.softness);
         }
         for tie in &mut *self.ties {
             let own = self.points.response(tie.terms) + tie.softness;
@@ -177,7 +176,7 @@ impl Pass<'_> {
                 .try_fold(f64::INFINITY, |least, r| r.map(|r| least.min(r)));
             if let Some(response) = least {
                 let speed = (row.depth * LEAD_RATE).min(fastest);
-                let mass = inverse(response) + inverse(row.answer.own);
+                let mass = inverse(response) + inverse(row.response.own);
                 let left = LIFT_IMPULSE * speed * mass;
                 row.lift = Lift { speed, left };
             }
@@ -232,14 +231,14 @@ impl Pass<'_> {
     pub fn solve_row(&mut self, i: usize) -> bool {
         let mut relative = self.relative(i);
         let row = &mut self.contacts[i];
-        let pressed = row.press(relative, row.answer.mass);
+        let pressed = row.press(relative, row.response.mass);
         let mut impulse = row.normal * pressed;
         let least = self.tolerance * row.normal_impulse;
         let mut changed = pressed.abs() > least;
         if row.rubs() {
-            relative += row.answer.to(impulse);
+            relative += row.response.to(impulse);
             let slip = row.slip(relative);
-            let mass = row.answer.mass_along(slip);
+            let mass = row.response.mass_along(slip);
             if mass > 0.0 {
                 let rubbed = row.rub(slip, mass);
                 changed |= rubbed.length_squared() > least * least;

@@ -16,11 +16,7 @@ impl Points<'_> {
 
     #[inline(always)]
     pub fn velocity(&self, terms: Terms) -> DVec3 {
-        let mut v = DVec3::ZERO;
-        for term in self.terms_of(terms) {
-            v += self.nodes[term.node as usize].v * term.weight;
-        }
-        v
+        velocity(self.nodes, self.terms_of(terms))
     }
 
     /// Inverse of the mass felt at a point \[1/kg\].
@@ -40,4 +36,14 @@ impl Points<'_> {
             node.v += impulse * (node.inv_mass * term.share);
         }
     }
+}
+
+/// The velocity of a weighted sum of nodes \[m/s\].
+#[inline(always)]
+pub(super) fn velocity(nodes: &[RowNode], terms: &[Term]) -> DVec3 {
+    let mut v = DVec3::ZERO;
+    for term in terms {
+        v += nodes[term.node as usize].v * term.weight;
+    }
+    v
 }

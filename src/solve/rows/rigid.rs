@@ -5,7 +5,7 @@
 //! to everything beside it. Their impulses stay among the shadows: Rapier gets only what deformables gave.
 
 use super::climb::Climb;
-use super::contact::Answer;
+use super::contact::Response;
 use crate::law::row::{allowed_velocity, friction_impulse, normal_impulse};
 use crate::math::DVec3;
 use crate::solve::shadow::Shadow;
@@ -37,7 +37,7 @@ pub struct RigidRow {
     /// Whether the bodies have pressed on each other in any substep so far.
     pub pressed: bool,
     /// What the pass makes of it, the second one's point being that which gets the impulse.
-    pub answer: Answer,
+    pub response: Response,
     /// Which of the shadows give way; set by the pass.
     pub moves: [bool; 2],
 }
@@ -72,7 +72,7 @@ impl RigidRow {
     /// The slope of what rows minimise along the impulse of this one, times the impulse \[J\].
     fn slope(&self, shadows: &[Shadow]) -> f64 {
         let v = self.velocity(shadows);
-        self.normal_impulse * (v.dot(self.normal) - self.answer.allowed)
+        self.normal_impulse * (v.dot(self.normal) - self.response.allowed)
             + self.friction_impulse.dot(v - self.belt)
     }
 
@@ -84,24 +84,24 @@ impl RigidRow {
     fn prepare(&mut self, shadows: &[Shadow], h: f64) {
         let sides = self.shadows.map(|i| &shadows[i as usize]);
         self.moves = sides.map(Shadow::gives_way);
-        self.answer = Answer {
+        self.response = Response {
             allowed: allowed_velocity(-self.gap, h, 0.0),
-            ..Answer::default()
+            ..Response::default()
         };
         for (k, side) in sides
             .into_iter()
             .enumerate()
             .filter(|(k, _)| self.moves[*k])
         {
-            self.answer.rigid += side.response_matrix(self.arms[k]) * self.shares[k];
+            self.response.rigid += side.response_matrix(self.arms[k]) * self.shares[k];
         }
-        self.answer.mass = self.answer.mass_along(self.normal);
+        self.response.mass = self.response.mass_along(self.normal);
     }
 
     /// One visit of a pass; whether it was not settled yet.
     pub(super) fn solve(&mut self, shadows: &mut [Shadow], tolerance: f64) -> bool {
         let mut relative = self.velocity(shadows);
-        let Answer { allowed, mass, .. } = self.answer;
+        let Response { allowed, mass, .. } = self.response;
         let jn = normal_impulse(
             self.normal_impulse,
             allowed,
@@ -114,9 +114,9 @@ impl RigidRow {
         self.normal_impulse = jn;
         let limit = self.friction * jn;
         if limit > 0.0 || self.friction_impulse != DVec3::ZERO {
-            relative += self.answer.to(impulse) - self.belt;
+            relative += self.response.to(impulse) - self.belt;
             let slip = relative - self.normal * relative.dot(self.normal);
-            let mass = self.answer.mass_along(slip);
+            let mass = self.response.mass_along(slip);
             if mass > 0.0 {
                 let jt = friction_impulse(self.friction_impulse, slip, mass, limit);
                 let rubbed = jt - self.friction_impulse;

@@ -125,7 +125,7 @@ impl Pass<'_> {
             if left.abs() <= SETTLED * v.abs() {
                 break;
             }
-            let alone = self.contacts[i].answer.mass;
+            let alone = self.contacts[i].response.mass;
             mass = if left > 0.0 {
                 alone
             } else {
@@ -148,7 +148,7 @@ impl Pass<'_> {
             return false;
         }
         let direction = slip / speed;
-        let alone = row.answer.mass_along(direction);
+        let alone = row.response.mass_along(direction);
         let most = self.squeezed_mass(i, direction, 0.0, Hold::All);
         let mut mass = self.squeezed_mass(i, direction, 0.0, Hold::Active);
         let mut changed = false;
@@ -195,7 +195,7 @@ impl Pass<'_> {
     /// counts as if it were alone: no impulse can answer it.
     fn squeezed_mass(&self, i: usize, direction: DVec3, softness: f64, hold: Hold) -> f64 {
         let row = &self.contacts[i];
-        let rigid = row.answer.rigid_along(direction);
+        let rigid = row.response.rigid_along(direction);
         let (mut alone, mut squeezed) = (0.0, 0.0);
         for term in self.points.terms_of(row.terms) {
             let share = term.weight * term.share;
@@ -230,7 +230,7 @@ impl Pass<'_> {
             }
             let mut keep = |direction: DVec3, softness: f64| {
                 let given = response * direction;
-                let rigid = row.answer.rigid_along(direction);
+                let rigid = row.response.rigid_along(direction);
                 let k = direction.dot(given) + rigid + softness;
                 if k > HELD * inv_mass {
                     let by = given / k;

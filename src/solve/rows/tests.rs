@@ -50,7 +50,7 @@ fn row(terms: Terms) -> Row {
         carried: 0.0,
         normal_impulse: 0.0,
         friction_impulse: DVec3::ZERO,
-        answer: Default::default(),
+        response: Default::default(),
         lift: Lift::default(),
     }
 }
