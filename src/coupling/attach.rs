@@ -246,6 +246,7 @@ impl<D> Bond<D> {
                 softness: 0.0,
                 impulse: DVec3::ZERO,
                 mass: Default::default(),
+                give: Default::default(),
             };
             if !between {
                 tie.before -= shadow.velocity_before(arm);

@@ -13,7 +13,7 @@ use crate::contact::candidates::Candidates;
 use crate::contact::encounter::Encounter;
 use crate::contact::site::{Reach, Site};
 use crate::math::DVec3;
-use crate::solve::rows::{RowNode, Rows};
+use crate::solve::rows::{Negligible, RowNode, Rows};
 use crate::solve::shadow::Shadow;
 
 /// Deformables that share substeps and rows, and the shadows of what they can touch.
@@ -130,6 +130,7 @@ impl Group {
             shadow.accelerate(h);
         }
         self.rows.clear();
+        self.rows.negligible = Negligible::of(h, s.length_unit);
         self.find_rows(h, s);
         for (_, body) in &mut self.members {
             body.predict(h);

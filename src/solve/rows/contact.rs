@@ -1,6 +1,7 @@
 //! A row of contact: what it is given, what it has done, and how the two sides answer.
 
 use super::Terms;
+use super::settled::Give;
 use crate::law::row::{Lift, friction_impulse, normal_impulse};
 use crate::math::{DMat3, DVec3};
 
@@ -15,6 +16,8 @@ pub struct Response {
     pub rigid: DMat3,
     /// Effective mass along the normal \[kg\].
     pub mass: f64,
+    /// What the two sides make of an impulse.
+    pub give: Give,
 }
 
 impl Default for Response {
@@ -26,6 +29,7 @@ impl Default for Response {
             // A matrix's own default is the identity.
             rigid: DMat3::ZERO,
             mass: 0.0,
+            give: Give::default(),
         }
     }
 }

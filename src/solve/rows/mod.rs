@@ -15,6 +15,7 @@ mod joint;
 mod pass;
 mod points;
 mod rigid;
+mod settled;
 mod squeeze;
 mod warm;
 mod worklist;
@@ -27,6 +28,7 @@ pub use contact::Row;
 pub use joint::JointRow;
 pub use rigid::RigidRow;
 use rigid::start_rigid;
+pub use settled::{Give, Negligible};
 use squeeze::Squeeze;
 use warm::Clusters;
 use worklist::Worklist;
@@ -105,6 +107,8 @@ pub struct Tie {
     pub impulse: DVec3,
     /// Effective mass \[kg\]; set by the pass.
     pub mass: DMat3,
+    /// What nodes and shadow make of its impulse; set by the pass.
+    pub give: Give,
 }
 
 /// All rows of a group in a substep.
@@ -126,6 +130,8 @@ pub struct Rows {
     pub blow: bool,
     /// How fast bodies are lifted out of what nodes that they hold are in, at most \[m/s\].
     pub fastest_lift: f64,
+    /// What is settled.
+    pub negligible: Negligible,
     squeeze: Squeeze,
     attempt: Attempt,
     clusters: Clusters,
@@ -245,7 +251,7 @@ pub fn solve_between_shadows(
     for _ in 0..passes {
         let mut changed = false;
         for row in &mut *contacts {
-            changed |= row.solve(shadows, tolerance);
+            changed |= row.solve(shadows, tolerance, Negligible::default());
         }
         for row in &mut *joints {
             changed |= row.solve(shadows, tolerance);

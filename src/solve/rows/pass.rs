@@ -4,6 +4,7 @@ use super::climb::Attempt;
 use super::contact::Response;
 use super::points::Points;
 use super::rigid::start_rigid;
+use super::settled::{Felt, Give, Negligible};
 use super::squeeze::Squeeze;
 use super::worklist::Worklist;
 use super::{JointRow, LEAD_RATE, RigidRow, Row, Rows, Term, Tie};
@@ -42,6 +43,7 @@ impl Rows {
             squeezed,
             h,
             tolerance: 0.0,
+            negligible: self.negligible,
         };
         pass.prepare();
         pass.prepare_lifts(self.fastest_lift);
@@ -107,6 +109,7 @@ pub(super) struct Pass<'a> {
     h: f64,
     /// Relative change of an impulse below which it counts as settled.
     tolerance: f64,
+    negligible: Negligible,
 }
 
 impl Pass<'_> {
@@ -137,13 +140,16 @@ impl Pass<'_> {
                 own,
                 rigid,
                 mass: 0.0,
+                give: Give::of(own, &rigid),
             };
             row.response.mass = inverse(own + row.response.rigid_along(row.normal) + row.softness);
         }
         for tie in &mut *self.ties {
-            let own = self.points.response(tie.terms) + tie.softness;
-            let k = DMat3::from_diagonal(DVec3::splat(own))
-                + self.shadows[tie.shadow as usize].response_matrix(tie.arm);
+            let nodes = self.points.response(tie.terms);
+            let own = nodes + tie.softness;
+            let rigid = self.shadows[tie.shadow as usize].response_matrix(tie.arm);
+            let k = DMat3::from_diagonal(DVec3::splat(own)) + rigid;
+            tie.give = Give::of(nodes, &rigid);
             tie.mass = if own > 0.0 {
                 k.inverse()
             } else {
@@ -186,8 +192,9 @@ impl Pass<'_> {
     fn solve_rigid(&mut self, reversed: bool) -> bool {
         let first = self.contacts.len() + self.ties.len();
         let (shadows, tolerance) = (&mut *self.shadows, self.tolerance);
+        let negligible = self.negligible;
         self.worklist.pass(first, self.rigid, reversed, |row| {
-            row.solve(shadows, tolerance)
+            row.solve(shadows, tolerance, negligible)
         })
     }
 
@@ -233,20 +240,17 @@ impl Pass<'_> {
         let row = &mut self.contacts[i];
         let pressed = row.press(relative, row.response.mass);
         let mut impulse = row.normal * pressed;
-        let least = self.tolerance * row.normal_impulse;
-        let mut changed = pressed.abs() > least;
         if row.rubs() {
             relative += row.response.to(impulse);
             let slip = row.slip(relative);
             let mass = row.response.mass_along(slip);
             if mass > 0.0 {
                 let rubbed = row.rub(slip, mass);
-                changed |= rubbed.length_squared() > least * least;
                 impulse += rubbed;
             }
         }
         self.give(i, impulse);
-        self.note(i, changed)
+        self.note(i, impulse)
     }
 
     /// Velocity of a row's point relative to its shadow's surface \[m/s\].
@@ -281,20 +285,32 @@ impl Pass<'_> {
         let relative = self.relative(i);
         let row = &mut self.contacts[i];
         let pressed = row.press(relative, mass);
-        let changed = pressed.abs() > self.tolerance * row.normal_impulse;
         let impulse = row.normal * pressed;
         self.give(i, impulse);
-        self.note(i, changed)
+        self.note(i, impulse)
     }
 
-    /// Has those looked at again that a changed row concerns; `changed` again.
-    fn note(&mut self, i: usize, changed: bool) -> bool {
-        if changed {
-            let row = &self.contacts[i];
+    /// Has those looked at again that feel this change of a row's impulse \[N·s\]; whether there are any.
+    #[inline(always)]
+    fn note(&mut self, i: usize, change: DVec3) -> bool {
+        let row = &self.contacts[i];
+        let felt = self.felt(change, row.normal_impulse.powi(2), row.response.give);
+        if felt.any() {
             let terms = self.points.terms_of(row.terms);
-            self.worklist.change(terms, [row.shadow; 2]);
+            self.worklist.change(terms, [row.shadow; 2], felt);
         }
-        changed
+        felt.any()
+    }
+
+    /// Who feels a change of an impulse that is of this square now \[N²·s²\].
+    #[inline(always)]
+    fn felt(&self, change: DVec3, square: f64, give: Give) -> Felt {
+        let change = change.length_squared();
+        if change > self.tolerance.powi(2) * square {
+            give.felt(change, self.negligible)
+        } else {
+            Felt::default()
+        }
     }
 
     /// The slip velocity of a row, whether there is friction or not \[m/s\].
@@ -307,9 +323,8 @@ impl Pass<'_> {
     pub fn rub(&mut self, i: usize, slip: DVec3, mass: f64) -> bool {
         let row = &mut self.contacts[i];
         let rubbed = row.rub(slip, mass);
-        let changed = rubbed.length() > self.tolerance * row.normal_impulse;
         self.give(i, rubbed);
-        self.note(i, changed)
+        self.note(i, rubbed)
     }
 
     fn solve_ties(&mut self, order: impl Iterator<Item = usize>) -> bool {
@@ -334,12 +349,13 @@ impl Pass<'_> {
         tie.impulse += change;
         self.points.push(tie.terms, change);
         shadow.push(tie.arm, -change);
-        let changed = change.length() > self.tolerance * tie.impulse.length();
-        if changed {
+        let tie = &self.ties[i];
+        let felt = self.felt(change, tie.impulse.length_squared(), tie.give);
+        if felt.any() {
             let terms = self.points.terms_of(tie.terms);
-            self.worklist.change(terms, [tie.shadow; 2]);
+            self.worklist.change(terms, [tie.shadow; 2], felt);
         }
-        changed
+        felt.any()
     }
 
     /// By how much the velocity of a tie's point differs from what it is to be \[m/s\].

@@ -6,6 +6,7 @@
 
 use super::climb::Climb;
 use super::contact::Response;
+use super::settled::{Give, Negligible};
 use crate::law::row::{allowed_velocity, friction_impulse, normal_impulse};
 use crate::math::DVec3;
 use crate::solve::shadow::Shadow;
@@ -96,10 +97,16 @@ impl RigidRow {
             self.response.rigid += side.response_matrix(self.arms[k]) * self.shares[k];
         }
         self.response.mass = self.response.mass_along(self.normal);
+        self.response.give = Give::of(0.0, &self.response.rigid);
     }
 
     /// One visit of a pass; whether it was not settled yet.
-    pub(super) fn solve(&mut self, shadows: &mut [Shadow], tolerance: f64) -> bool {
+    pub(super) fn solve(
+        &mut self,
+        shadows: &mut [Shadow],
+        tolerance: f64,
+        negligible: Negligible,
+    ) -> bool {
         let mut relative = self.velocity(shadows);
         let Response { allowed, mass, .. } = self.response;
         let jn = normal_impulse(
@@ -110,7 +117,6 @@ impl RigidRow {
         );
         let pressed = jn - self.normal_impulse;
         let mut impulse = self.normal * pressed;
-        let mut changed = pressed.abs() > tolerance * jn;
         self.normal_impulse = jn;
         let limit = self.friction * jn;
         if limit > 0.0 || self.friction_impulse != DVec3::ZERO {
@@ -120,13 +126,14 @@ impl RigidRow {
             if mass > 0.0 {
                 let jt = friction_impulse(self.friction_impulse, slip, mass, limit);
                 let rubbed = jt - self.friction_impulse;
-                changed |= rubbed.length() > tolerance * jn;
                 self.friction_impulse = jt;
                 impulse += rubbed;
             }
         }
         self.push(shadows, impulse);
-        changed
+        let square = impulse.length_squared();
+        let least = tolerance * jn;
+        square > least * least && self.response.give.felt(square, negligible).any()
     }
 
     /// Ends a substep of h s.

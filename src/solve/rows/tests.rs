@@ -208,6 +208,7 @@ fn pinned(depth: f64, v: DVec3, moves: f64) -> (Rows, [Shadow; 2]) {
         softness: 0.0,
         impulse: DVec3::ZERO,
         mass: DMat3::ZERO,
+        give: Give::default(),
     });
     let body = Shadow {
         inv_mass: DMat3::from_diagonal(DVec3::splat(0.1 * moves)),

@@ -3,6 +3,7 @@
 //! In a heap at rest most rows are settled after one visit, and a few take all passes. Visiting only those makes a pass
 //! cost what there is to do.
 
+use super::settled::Felt;
 use super::{JointRow, RigidRow, Term};
 use crate::solve::shadow::Shadow;
 
@@ -53,16 +54,21 @@ impl Worklist {
         due
     }
 
-    /// A row has changed the velocities of its nodes and shadows. It will be looked at once more itself.
+    /// A row has changed the velocities of its nodes and shadows, as far as these feel it. It will be looked at once more
+    /// itself.
     #[inline(always)]
-    pub fn change(&mut self, terms: &[Term], shadows: [u32; 2]) {
+    pub fn change(&mut self, terms: &[Term], shadows: [u32; 2], felt: Felt) {
         self.now += 1;
-        for term in terms {
-            self.nodes[term.node as usize] = self.now;
+        if felt.nodes {
+            for term in terms {
+                self.nodes[term.node as usize] = self.now;
+            }
         }
-        for shadow in shadows {
-            if self.moves[shadow as usize] {
-                self.shadows[shadow as usize] = self.now;
+        if felt.shadows {
+            for shadow in shadows {
+                if self.moves[shadow as usize] {
+                    self.shadows[shadow as usize] = self.now;
+                }
             }
         }
     }
@@ -76,11 +82,15 @@ impl Worklist {
         mut solve: impl FnMut(&mut R) -> bool,
     ) -> bool {
         let mut any = false;
+        let felt = Felt {
+            nodes: false,
+            shadows: true,
+        };
         for n in 0..rows.len() {
             let i = if reversed { rows.len() - 1 - n } else { n };
             let row = &mut rows[i];
             if self.visit(first + i, &[], row.shadows()) && solve(row) {
-                self.change(&[], row.shadows());
+                self.change(&[], row.shadows(), felt);
                 any = true;
             }
         }

@@ -87,6 +87,7 @@ fn jam(dice: &mut Dice) -> (Rows, [Shadow; 3]) {
             softness: 0.0,
             impulse: dice.vector(10.0),
             mass: DMat3::ZERO,
+            give: Give::default(),
         };
         rows.ties.push(tie);
     }
