@@ -52,9 +52,9 @@ pub trait Number:
     fn ln(self) -> Self;
     /// Absolute value.
     fn abs(self) -> Self;
-    /// The larger of two; the other where one is NaN.
+    /// The larger of two; the other where this one is NaN. One instruction.
     fn max(self, other: Self) -> Self;
-    /// The smaller of two; the other where one is NaN.
+    /// The smaller of two, likewise.
     fn min(self, other: Self) -> Self;
     /// Whether every lane is above the other's; not where one is NaN.
     fn all_above(self, other: Self) -> bool;
@@ -105,11 +105,11 @@ macro_rules! scalar {
             }
             #[inline(always)]
             fn max(self, other: Self) -> Self {
-                <$t>::max(self, other)
+                if self > other { self } else { other }
             }
             #[inline(always)]
             fn min(self, other: Self) -> Self {
-                <$t>::min(self, other)
+                if self < other { self } else { other }
             }
             #[inline(always)]
             fn all_above(self, other: Self) -> bool {

@@ -119,11 +119,11 @@ impl<S: Scalar> Number for Pack<S> {
     }
     #[inline(always)]
     fn max(self, other: Self) -> Self {
-        lanes!(i => self.0[i].max(other.0[i]))
+        lanes!(i => Number::max(self.0[i], other.0[i]))
     }
     #[inline(always)]
     fn min(self, other: Self) -> Self {
-        lanes!(i => self.0[i].min(other.0[i]))
+        lanes!(i => Number::min(self.0[i], other.0[i]))
     }
     #[inline(always)]
     fn all_above(self, other: Self) -> bool {

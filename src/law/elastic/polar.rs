@@ -258,8 +258,8 @@ mod tests {
             prop_assert!(far(&found_s, &s) < 1e-9);
             let f32s = from_fn(|i, j| f[i][j] as f32);
             let (r32, _) = polar(&f32s);
-            // The gap of the two largest eigenvalues of K is 2(σ₀ + σ₁).
-            let gap = (stretch[0] + stretch[1]) / stretch[2];
+            // The gap of the two largest eigenvalues of K is 2(σ₀ + σ₁). A wide one leaves the rounding of nine entries.
+            let gap = ((stretch[0] + stretch[1]) / stretch[2]).min(1.0);
             let wide = from_fn(|i, j| f64::from(r32[i][j]));
             prop_assert!(far(&wide, &r) < 2e-6 / gap.powi(2), "{} {gap}", far(&wide, &r));
         }

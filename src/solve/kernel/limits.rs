@@ -9,6 +9,7 @@ use super::log::{self, Entry};
 use super::pass::{Nodes, Trial, add_springs};
 use super::ranges::Span;
 use super::table::{End, Table, Untouched};
+use super::telling::Telling;
 use super::vector::{Aside, LANES, Runs, Vector, Wide};
 use crate::law::plastic;
 use crate::law::spring;
@@ -187,26 +188,33 @@ impl<V: Vector, const DAMPED: bool> AtLimits<'_, '_, V, DAMPED> {
             nodes.velocity = table.own(slice).velocity(part);
         }
         let (mut flowed, mut broke) = (0, 0);
-        for (slot, far, which) in table.slots(slice) {
-            let rest = V::load(limited.limits.rest(slot), part);
-            let trial = Trial::new(nodes.at, &far, part, rest);
+        let plastic = &mut limited.plastic[part * V::LANES..][..V::LANES];
+        let palette = limited.limits.palette;
+        let mut teller = Teller {
+            telling: limited.limits.telling,
+            fracture: &mut limited.fracture,
+            book: &mut limited.book,
+        };
+        let memory = limited.limits.memory(table.range(slice));
+        for ((slot, far, which), (rest, flow, set)) in table.slots(slice).zip(memory) {
+            let [old_rest, old_flow] = [V::load(rest, part), V::load(flow, part)];
+            let trial = Trial::new(nodes.at, &far, part, old_rest);
             let stiffness = table.stiffness(which, part);
-            let law = limited.limits.palette.bounds(slot, part, stiffness);
-            let flow = V::load(limited.limits.flow(slot), part);
-            let mapped = plastic::return_map(stiffness, trial.elongation, flow, &law.yields);
+            let law = palette.bounds_of(set, part, stiffness);
+            let mapped = plastic::return_map(stiffness, trial.elongation, old_flow, &law.yields);
             let amount = mapped.flow.abs();
             let flows = amount.bits_above(V::ZERO);
-            (rest + mapped.flow).store(limited.limits.rest_mut(slot), part);
-            (flow + amount).store(limited.limits.flow_mut(slot), part);
+            (old_rest + mapped.flow).store(rest, part);
+            (old_flow + amount).store(flow, part);
             let mut rate = V::ZERO;
             if DAMPED || flows != 0 {
                 rate = nodes.rate(&trial, &far, part);
             }
             // The trapezoid, as for every other work: the tension of the last commit follows from the rate.
             let last = stiffness * (trial.elongation - h * rate);
-            limited.add_work(part, plastic::work(last, &mapped));
+            add_work(plastic, plastic::work(last, &mapped));
             let (breaks, held) = law.breaks(&trial, mapped.tension);
-            let yields = flows & !flow.bits_above(V::ZERO);
+            let yields = flows & !old_flow.bits_above(V::ZERO);
             if yields | breaks != 0 {
                 let lanes = Lanes {
                     slot,
@@ -215,7 +223,7 @@ impl<V: Vector, const DAMPED: bool> AtLimits<'_, '_, V, DAMPED> {
                     breaks,
                 };
                 let energy = spring::energy(stiffness, trial.elongation - mapped.flow);
-                limited.tell(&lanes, &wide(mapped.tension), &wide(energy));
+                teller.tell(&lanes, &wide(mapped.tension), &wide(energy));
             }
             nodes.pull(&trial, V::above(held, V::ZERO, mapped.tension, V::ZERO));
             if DAMPED {
@@ -255,23 +263,29 @@ fn wide<V: Vector>(value: V) -> Wide {
     wide
 }
 
-impl Limited<'_> {
-    /// Adds plastic work \[J\]. Both ends of a spring find the same, and each has a half.
-    #[inline(always)]
-    fn add_work<V: Vector>(&mut self, part: usize, work: V) {
-        let work = wide(work);
-        let sums = &mut self.plastic[part * V::LANES..][..V::LANES];
-        for (sum, work) in sums.iter_mut().zip(&work.0) {
-            *sum += 0.5 * f64::from(*work);
-        }
+/// Adds plastic work \[J\] to sums by lanes. Both ends of a spring find the same, and each has a half.
+#[inline(always)]
+fn add_work<V: Vector>(sums: &mut [f64], work: V) {
+    let work = wide(work);
+    for (sum, work) in sums.iter_mut().zip(&work.0) {
+        *sum += 0.5 * f64::from(*work);
     }
+}
 
+/// Who writes down what happens to springs.
+struct Teller<'a, 'b> {
+    telling: &'a Telling,
+    fracture: &'a mut [f64; LANES],
+    book: &'a mut Book<'b>,
+}
+
+impl Teller<'_, '_> {
     /// Writes down what happened to springs, with their tensions \[N\] and energies \[J\]. The end that counts tells of it.
     #[cold]
     #[inline(never)]
     fn tell(&mut self, lanes: &Lanes, tension: &Wide, energy: &Wide) {
         for l in (0..LANES).filter(|l| (lanes.yields | lanes.breaks) >> l & 1 == 1) {
-            let Some(spring) = self.limits.telling.spring(lanes.slot, lanes.first + l) else {
+            let Some(spring) = self.telling.spring(lanes.slot, lanes.first + l) else {
                 continue;
             };
             let entry = Entry {
@@ -284,7 +298,7 @@ impl Limited<'_> {
             if entry.broke {
                 self.fracture[lanes.first + l] += f64::from(entry.energy);
             }
-            match &mut self.book {
+            match self.book {
                 Book::Events(events) => entry.tell(events),
                 Book::Log(log) => log.push(entry),
             }

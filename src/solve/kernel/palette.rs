@@ -8,6 +8,7 @@ use super::vector::{LANES, Vector, Wide};
 use crate::law::plastic::{self, Yield};
 use crate::solve::springs::Limit;
 use std::collections::HashMap;
+use std::ops::Range;
 
 /// Limits by slots.
 #[derive(Clone, Debug, Default)]
@@ -102,10 +103,20 @@ impl Palette {
         self.which.push(which);
     }
 
+    /// Which sets the slots have.
+    pub fn sets(&self, slots: Range<usize>) -> &[u32] {
+        &self.which[slots]
+    }
+
     /// Limits of a part of a slot of springs of this stiffness \[N/m\].
     #[inline(always)]
     pub fn bounds<V: Vector>(&self, slot: usize, part: usize, stiffness: V) -> Bounds<V> {
-        let set = self.which[slot] as usize;
+        self.bounds_of(self.which[slot] as usize, part, stiffness)
+    }
+
+    /// The same of a slot that has this set.
+    #[inline(always)]
+    pub fn bounds_of<V: Vector>(&self, set: usize, part: usize, stiffness: V) -> Bounds<V> {
         let [tension, hardening] = &self.yields[set];
         let tension = V::load(tension, part);
         let mut compression = tension;

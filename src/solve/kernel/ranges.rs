@@ -217,28 +217,30 @@ impl<'a> Span<'a> {
         }
     }
 
+    /// Rest lengths and accumulated flows of slots \[m\], to write to, and which set of limits is theirs.
+    #[inline(always)]
+    pub fn memory(
+        &mut self,
+        slots: std::ops::Range<usize>,
+    ) -> impl Iterator<Item = (&mut Wide, &mut Wide, usize)> {
+        let own = slots.start - self.slots.first..slots.end - self.slots.first;
+        let sets = self.palette.sets(slots);
+        let rest = self.slots.rest[own.clone()].iter_mut();
+        let flow = self.slots.flow[own].iter_mut();
+        let each = rest.zip(flow).zip(sets);
+        each.map(|((rest, flow), set)| (rest, flow, *set as usize))
+    }
+
     /// Rest lengths of a slot \[m\].
     #[inline(always)]
     pub fn rest(&self, slot: usize) -> &Wide {
         &self.slots.rest[slot - self.slots.first]
     }
 
-    /// The same to write to.
-    #[inline(always)]
-    pub fn rest_mut(&mut self, slot: usize) -> &mut Wide {
-        &mut self.slots.rest[slot - self.slots.first]
-    }
-
     /// Accumulated flow of a slot \[m\].
     #[inline(always)]
     pub fn flow(&self, slot: usize) -> &Wide {
         &self.slots.flow[slot - self.slots.first]
-    }
-
-    /// The same to write to.
-    #[inline(always)]
-    pub fn flow_mut(&mut self, slot: usize) -> &mut Wide {
-        &mut self.slots.flow[slot - self.slots.first]
     }
 
     /// Finds the range of a part of a slot, which lies within what the law allows by more than the law is rounded.

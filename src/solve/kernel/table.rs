@@ -161,6 +161,11 @@ impl<'a> Table<'a> {
         self.layout.regular.get(slice).is_some_and(|r| *r)
     }
 
+    /// Which slots are those of a slice.
+    pub fn range(&self, slice: usize) -> std::ops::Range<usize> {
+        self.layout.slots(slice)
+    }
+
     /// The slots of a slice, each with its other ends and its constants.
     #[inline(always)]
     pub fn slots(

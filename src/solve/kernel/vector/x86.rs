@@ -19,7 +19,7 @@ macro_rules! operator {
 /// Everything whose text does not depend on the width.
 macro_rules! vector {
     ($t:ident, $lanes:expr, $raw:ty, $set:ident, $sqrt:ident, $xor:ident,
-     [$add:ident, $sub:ident, $mul:ident, $div:ident]) => {
+     [$add:ident, $sub:ident, $mul:ident, $div:ident, $max:ident, $min:ident]) => {
         operator!($t, Add, add, $add);
         operator!($t, Sub, sub, $sub);
         operator!($t, Mul, mul, $mul);
@@ -101,11 +101,13 @@ macro_rules! vector {
             }
             #[inline(always)]
             fn max(self, other: Self) -> Self {
-                self.larger(other)
+                // SAFETY: see the top.
+                Self(unsafe { $max(self.0, other.0) })
             }
             #[inline(always)]
             fn min(self, other: Self) -> Self {
-                -(-self).larger(-other)
+                // SAFETY: see the top.
+                Self(unsafe { $min(self.0, other.0) })
             }
             #[inline(always)]
             fn all_above(self, other: Self) -> bool {

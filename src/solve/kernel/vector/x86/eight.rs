@@ -29,7 +29,14 @@ vector!(
     _mm256_set1_ps,
     _mm256_sqrt_ps,
     _mm256_xor_ps,
-    [_mm256_add_ps, _mm256_sub_ps, _mm256_mul_ps, _mm256_div_ps]
+    [
+        _mm256_add_ps,
+        _mm256_sub_ps,
+        _mm256_mul_ps,
+        _mm256_div_ps,
+        _mm256_max_ps,
+        _mm256_min_ps
+    ]
 );
 
 // SAFETY of the functions of this block: see the top.
@@ -37,16 +44,6 @@ impl F8 {
     #[inline(always)]
     fn clear_sign(self) -> Self {
         Self(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
-    }
-
-    /// The instruction gives its second operand where one is NaN.
-    #[inline(always)]
-    fn larger(self, other: Self) -> Self {
-        unsafe {
-            let larger = _mm256_max_ps(other.0, self.0);
-            let nan = _mm256_cmp_ps::<_CMP_UNORD_Q>(self.0, self.0);
-            Self(_mm256_blendv_ps(larger, other.0, nan))
-        }
     }
 
     #[inline(always)]

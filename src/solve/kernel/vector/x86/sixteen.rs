@@ -29,7 +29,14 @@ vector!(
     _mm512_set1_ps,
     _mm512_sqrt_ps,
     _mm512_xor_ps,
-    [_mm512_add_ps, _mm512_sub_ps, _mm512_mul_ps, _mm512_div_ps]
+    [
+        _mm512_add_ps,
+        _mm512_sub_ps,
+        _mm512_mul_ps,
+        _mm512_div_ps,
+        _mm512_max_ps,
+        _mm512_min_ps
+    ]
 );
 
 // SAFETY of the functions of this block: see the top.
@@ -37,15 +44,6 @@ impl F16 {
     #[inline(always)]
     fn clear_sign(self) -> Self {
         Self(unsafe { _mm512_andnot_ps(_mm512_set1_ps(-0.0), self.0) })
-    }
-
-    #[inline(always)]
-    fn larger(self, other: Self) -> Self {
-        unsafe {
-            let larger = _mm512_max_ps(other.0, self.0);
-            let nan = _mm512_cmp_ps_mask::<_CMP_UNORD_Q>(self.0, self.0);
-            Self(_mm512_mask_blend_ps(nan, larger, other.0))
-        }
     }
 
     #[inline(always)]
