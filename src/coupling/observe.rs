@@ -109,7 +109,8 @@ pub fn shadow(
     }
     let (along, about) = (response.along, response.about);
     shadow.inv_mass = scaled(along, mobility.inv_mass, along);
-    shadow.cross = scaled(along, mobility.cross, about);
+    let cross = scaled(along, mobility.cross, about);
+    shadow.cross = (cross != DMat3::ZERO).then_some(cross);
     shadow.inv_inertia = scaled(about, mobility.inv_inertia, about);
     shadow.acceleration = mobility.acceleration * along;
     shadow.spin_up = mobility.spin_up * about;

@@ -22,8 +22,8 @@ pub struct Shadow {
     /// Velocity by impulse \[1/kg\]: 1/m, less where joints hold, 0 where locked, fixed, kinematic or asleep; scaled by the
     /// response ratio.
     pub inv_mass: DMat3,
-    /// Velocity by angular impulse, and transposed, spin by impulse \[1/(kg·m)\]: 0 without joints, scaled likewise.
-    pub cross: DMat3,
+    /// Velocity by angular impulse, and transposed, spin by impulse \[1/(kg·m)\]: none without joints, scaled likewise.
+    pub cross: Option<DMat3>,
     /// Spin by angular impulse \[1/(kg·m²)\]: I⁻¹ in world axes, less where joints hold, scaled likewise.
     pub inv_inertia: DMat3,
     /// I in world axes, where the body's rotation conserves angular momentum by itself; zero otherwise.
@@ -54,7 +54,7 @@ impl Shadow {
         w: DVec3::ZERO,
         before: (DVec3::ZERO, DVec3::ZERO),
         inv_mass: DMat3::ZERO,
-        cross: DMat3::ZERO,
+        cross: None,
         inv_inertia: DMat3::ZERO,
         inertia: DMat3::ZERO,
         acceleration: DVec3::ZERO,
@@ -74,8 +74,12 @@ impl Shadow {
     /// Takes an impulse and an angular impulse about the centre of mass \[N·s\], \[N·m·s\].
     #[inline(always)]
     pub fn take(&mut self, impulse: DVec3, torque: DVec3) {
-        self.v += self.inv_mass * impulse + self.cross * torque;
-        self.w += self.cross.transpose() * impulse + self.inv_inertia * torque;
+        self.v += self.inv_mass * impulse;
+        self.w += self.inv_inertia * torque;
+        if let Some(cross) = &self.cross {
+            self.v += *cross * torque;
+            self.w += cross.transpose() * impulse;
+        }
     }
 
     /// Velocity of the point at `arm` from the centre of mass \[m/s\].
@@ -94,19 +98,22 @@ impl Shadow {
     #[inline(always)]
     pub fn response(&self, arm: DVec3, direction: DVec3) -> f64 {
         let turn = arm.cross(direction);
-        (self.inv_mass * direction + self.cross * (2.0 * turn)).dot(direction)
-            + (self.inv_inertia * turn).dot(turn)
+        let mixed = self.cross.map_or(DVec3::ZERO, |c| c * (2.0 * turn));
+        (self.inv_mass * direction + mixed).dot(direction) + (self.inv_inertia * turn).dot(turn)
     }
 
     /// The inverse mass matrix felt at `arm` \[1/kg\].
     pub fn response_matrix(&self, arm: DVec3) -> DMat3 {
-        let cross = DMat3::from_cols(
+        let turn = DMat3::from_cols(
             DVec3::new(0.0, arm.z, -arm.y),
             DVec3::new(-arm.z, 0.0, arm.x),
             DVec3::new(arm.y, -arm.x, 0.0),
         );
-        let mixed = self.cross * cross;
-        self.inv_mass + mixed + mixed.transpose() - cross * self.inv_inertia * cross
+        let alone = self.inv_mass - turn * self.inv_inertia * turn;
+        self.cross.map_or(alone, |cross| {
+            let mixed = cross * turn;
+            alone + mixed + mixed.transpose()
+        })
     }
 
     /// Takes an impulse at `arm` \[N·s\].
@@ -181,11 +188,11 @@ mod tests {
         let s = Shadow {
             inv_inertia: inertia.inverse(),
             inv_mass: DMat3::from_diagonal(DVec3::splat(0.25)),
-            cross: DMat3::from_cols(
+            cross: Some(DMat3::from_cols(
                 DVec3::new(0.1, 0.0, 0.05),
                 DVec3::new(-0.02, 0.03, 0.0),
                 DVec3::new(0.0, 0.07, -0.04),
-            ),
+            )),
             ..Shadow::FIXED
         };
         let (arm, n) = (DVec3::new(0.3, -0.2, 0.7), DVec3::new(0.6, 0.0, -0.8));

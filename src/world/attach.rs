@@ -218,7 +218,10 @@ impl Deformable {
     /// body.
     fn shift_points(&mut self, points: &[Point], errors: &[DVec3]) {
         self.cache.forget();
-        let balance = self.energies().balance();
+        let mut moved = vec![false; self.state.particles.len()];
+        let parts = points.iter().flat_map(|p| &p.parts);
+        parts.for_each(|part| moved[part.node as usize] = true);
+        let balance = self.energies_about(|n| moved[n]).balance();
         let mut farthest = 0.0_f64;
         for (point, error) in points.iter().zip(errors) {
             let share = |p: &Part| {
@@ -238,7 +241,7 @@ impl Deformable {
             }
         }
         self.shifted += farthest;
-        self.solver.work.rigid += self.energies().balance() - balance;
+        self.solver.work.rigid += self.energies_about(|n| moved[n]).balance() - balance;
     }
 }
 

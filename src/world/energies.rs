@@ -53,6 +53,11 @@ impl Energies {
 impl Deformable {
     /// Energies now and work so far.
     pub fn energies(&self) -> Energies {
+        self.energies_about(|_| true)
+    }
+
+    /// The same without what nodes and springs hold that are not about any of these nodes.
+    pub(super) fn energies_about(&self, about: impl Fn(usize) -> bool) -> Energies {
         let gravity = self.gravity();
         let mut energies = Energies {
             work: self.solver.work,
@@ -67,7 +72,7 @@ impl Deformable {
         };
         let verlet = self.integrator() == Integrator::VelocityVerlet;
         for (i, mass) in self.nodes_with_mass() {
-            if self.state.particles[i].inv_mass == 0.0 {
+            if self.state.particles[i].inv_mass == 0.0 || !about(i) {
                 continue;
             }
             let v = self.state.velocity(i);
@@ -87,10 +92,10 @@ impl Deformable {
         }
         for (i, link) in self.solver.table.links.iter().enumerate() {
             let stiffness = f64::from(link.stiffness);
-            if stiffness == 0.0 {
+            let (a, b) = (link.a as usize, link.b as usize);
+            if stiffness == 0.0 || !(about(a) || about(b)) {
                 continue;
             }
-            let (a, b) = (link.a as usize, link.b as usize);
             let d = self.state.local(b) - self.state.local(a);
             let length = d.length();
             let mapped = self.mapped(i, length, stiffness);
