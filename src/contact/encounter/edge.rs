@@ -3,7 +3,7 @@
 //! Only edges that stand out count, and only where both are crossed inside and the normal is one that both can have: on
 //! flat and hollow parts the nodes meet faces, and at the ends of edges nodes meet edges.
 
-use super::closest::between_segments;
+use super::closest::{between_segments, segments_apart};
 use super::outline::NONE;
 use super::posed::Posed;
 use crate::math::DVec3;
@@ -61,24 +61,28 @@ fn can_push(flanks: &[DVec3; 2], outwards: DVec3) -> bool {
     flanks.iter().all(|f| f.dot(outwards) <= LEAN)
 }
 
-/// Where edge `edges[0]` of the first body and `edges[1]` of the second cross, if they are within `farthest` m. `flank` is
-/// what [`flanks`] says of the first; `last` is the normal they had last.
+/// Where edge `edges[0]` of the first body and `edges[1]` of the second cross, if they are within `farthest` m; if they do
+/// not, how far apart they are at least \[m\]. `flank` is what [`flanks`] says of the first; `last` is the normal they had
+/// last.
 pub fn crossing(
     bodies: [&Posed; 2],
     edges: [u32; 2],
     flank: &[DVec3; 2],
     last: Option<DVec3>,
     farthest: f64,
-) -> Option<Crossing> {
+) -> Result<Crossing, f64> {
     let (a, b) = (bodies[0].ends(edges[0]), bodies[1].ends(edges[1]));
-    let [s, t] = between_segments(a, b)?;
+    let Some([s, t]) = between_segments(a, b) else {
+        return Err(segments_apart(a, b));
+    };
     let way = a[0].lerp(a[1], s) - b[0].lerp(b[1], t);
-    if way.length_squared() > farthest * farthest {
-        return None;
+    let apart = way.length();
+    if apart > farthest {
+        return Err(apart);
     }
     let other = flanks(bodies[1], edges[1]);
     if !stands_out(bodies[1], edges[1], &other) {
-        return None;
+        return Err(apart);
     }
     let across = (a[1] - a[0]).cross(b[1] - b[0]).normalize();
     let out_of = |k: usize| {
@@ -104,9 +108,10 @@ pub fn crossing(
         farthest.min(DEEPEST * shortest)
     };
     let possible = gap > -deepest && can_push(&other, normal) && can_push(flank, -normal);
-    possible.then_some(Crossing {
+    let crossing = Crossing {
         along: [s, t],
         normal,
         gap,
-    })
+    };
+    if possible { Ok(crossing) } else { Err(apart) }
 }

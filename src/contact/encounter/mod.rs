@@ -7,6 +7,7 @@
 //! Bodies must be found to be near each other first; an encounter of a body with itself would differ only in leaving out
 //! what hangs together.
 
+mod apart;
 pub mod closest;
 pub mod edge;
 pub mod manners;
@@ -18,6 +19,7 @@ pub mod search;
 pub mod touch;
 
 use crate::solve::rows::Rows;
+use apart::Apart;
 use manners::Manners;
 use touch::Touches;
 
@@ -42,6 +44,14 @@ pub struct Encounter {
     edges: Vec<(u32, u32)>,
     /// How far things may still move before the lists are stale \[m\].
     budget: f64,
+    /// How far they have moved since the lists were made \[m\], and how far apart what is listed was: found anew after a
+    /// restart.
+    #[cfg_attr(feature = "serde-serialize", serde(skip))]
+    way: f64,
+    #[cfg_attr(feature = "serde-serialize", serde(skip))]
+    nodes_apart: [Apart; 2],
+    #[cfg_attr(feature = "serde-serialize", serde(skip))]
+    edges_apart: Apart,
     node_touches: [Touches; 2],
     edge_touches: Touches,
     /// How much farther inside than the way of a substep something can be that did not touch \[m\]: what was done to the
@@ -62,6 +72,9 @@ impl Encounter {
             nodes: Default::default(),
             edges: Vec::new(),
             budget: -1.0,
+            way: 0.0,
+            nodes_apart: Default::default(),
+            edges_apart: Apart::default(),
             node_touches: Default::default(),
             edge_touches: Touches::default(),
             unseen: f64::MAX,
@@ -79,6 +92,7 @@ impl Encounter {
         (edits, shifted): ([u64; 2], f64),
     ) {
         self.budget -= shifted;
+        self.way += shifted;
         self.unseen += shifted;
         if self.edits != edits {
             self.forget();

@@ -62,8 +62,8 @@ pub struct Query<'a> {
 }
 
 impl Query<'_> {
-    /// What the node can touch.
-    pub fn find(&self) -> [Option<Found>; 2] {
+    /// How far off the nearest element is \[m\], and what the node can touch.
+    pub fn find(&self) -> (f64, [Option<Found>; 2]) {
         let mut best: Option<Way> = None;
         let mut faces = 0;
         for &(_, element) in self.near {
@@ -77,26 +77,37 @@ impl Query<'_> {
             }
         }
         let Some(best) = best else {
-            return [None; 2];
+            return (f64::INFINITY, [None; 2]);
         };
-        if !self.other.outline.closed && best.squared > self.farthest * self.farthest {
-            return [None; 2];
-        }
+        let apart = best.squared.sqrt();
         // What did not touch cannot be farther inside than the way of a substep: where it seems to be, a crumpled surface has
         // turned inside out.
         let deepest = if self.known.is_empty() {
-            self.farthest + self.unseen
+            self.deepest_unknown()
         } else {
             f64::INFINITY
         };
+        let most = if self.other.outline.closed {
+            deepest
+        } else {
+            self.farthest
+        };
+        if apart > most {
+            return (apart, [None; 2]);
+        }
         let seen = self.see(&best);
         let seen = seen.filter(|f| f.gap <= self.farthest && f.gap >= -deepest);
         let Some(first) = seen else {
-            return [None; 2];
+            return (apart, [None; 2]);
         };
         let others = faces > u32::from(best.nearest.feature == Feature::Face);
         let second = others.then(|| self.second(&first)).flatten();
-        [Some(first), second]
+        (apart, [Some(first), second])
+    }
+
+    /// How deep inside something can be that did not touch \[m\].
+    pub fn deepest_unknown(&self) -> f64 {
+        self.farthest + self.unseen
     }
 
     /// The last normal, towards the node, of a touch with this element or one beside it.

@@ -1,6 +1,7 @@
 //! The rows of an encounter.
 
 use super::Encounter;
+use super::apart::Apart;
 use super::edge;
 use super::node::{Found, Query};
 use super::posed::Posed;
@@ -43,21 +44,25 @@ impl Encounter {
     pub fn add_rows(&mut self, bodies: &mut Bodies, rows: &mut Rows, reach: Reach) {
         for own in 0..2 {
             let mut touches = std::mem::take(&mut self.node_touches[own]);
+            let mut apart = std::mem::take(&mut self.nodes_apart[own]);
             touches.begin(rows);
-            self.add_node_rows(own, &mut touches, bodies, rows, reach);
-            self.node_touches[own] = touches;
+            apart.fit(self.nodes[own].len());
+            self.add_node_rows(own, (&mut touches, &mut apart), bodies, rows, reach);
+            (self.node_touches[own], self.nodes_apart[own]) = (touches, apart);
         }
         let mut touches = std::mem::take(&mut self.edge_touches);
+        let mut apart = std::mem::take(&mut self.edges_apart);
         touches.begin(rows);
-        self.add_edge_rows(&mut touches, bodies, rows, reach);
-        self.edge_touches = touches;
+        apart.fit(self.edges.len());
+        self.add_edge_rows((&mut touches, &mut apart), bodies, rows, reach);
+        (self.edge_touches, self.edges_apart) = (touches, apart);
     }
 
     /// Rows of the nodes of body `own` on the elements of the other.
     fn add_node_rows(
         &self,
         own: usize,
-        touches: &mut Touches,
+        (touches, apart): (&mut Touches, &mut Apart),
         bodies: &mut Bodies,
         rows: &mut Rows,
         reach: Reach,
@@ -89,7 +94,12 @@ impl Encounter {
                 unseen: self.unseen,
                 touching: reach.touching,
             };
-            let found = query.find();
+            let fresh = query.known.is_empty();
+            if fresh && apart.is_beyond(start, self.way, query.deepest_unknown()) {
+                continue;
+            }
+            let (distance, found) = query.find();
+            apart.note(start, self.way, distance);
             let drafts = found.map(|f| f.map(|f| self.draft_node(own, node, &f, &query, &reach)));
             for draft in drafts.into_iter().flatten() {
                 self.push(draft, touches, bodies, rows, reach);
@@ -130,7 +140,7 @@ impl Encounter {
 
     fn add_edge_rows(
         &self,
-        touches: &mut Touches,
+        (touches, apart): (&mut Touches, &mut Apart),
         bodies: &mut Bodies,
         rows: &mut Rows,
         reach: Reach,
@@ -140,23 +150,32 @@ impl Encounter {
         while let Some(&(edge, _)) = self.edges.get(at) {
             let start = at;
             at += self.edges[at..].iter().take_while(|p| p.0 == edge).count();
+            let known = touches.of(edge, &mut from).len();
+            let beyond = |apart: &Apart, i: usize| apart.is_beyond(i, self.way, farthest);
+            if known == 0 && (start..at).all(|i| beyond(apart, i)) {
+                continue;
+            }
             let [a, b] = bodies.posed;
             let flanks = edge::flanks(&a, edge);
             if !edge::stands_out(&a, edge, &flanks) || a.outline.is_broken(edge, a.state) {
                 continue;
             }
-            for &(_, other) in &self.edges[start..at] {
-                if b.outline.is_broken(other, b.state) {
-                    continue;
-                }
+            for i in start..at {
+                let other = self.edges[i].1;
                 let known = touches.of(edge, &mut from).iter();
                 let last = known.copied().find(|t| t.other == other);
+                if last.is_none() && beyond(apart, i) || b.outline.is_broken(other, b.state) {
+                    continue;
+                }
                 let normal = last.map(|t| t.normal);
                 let pair = [edge, other];
-                let found = edge::crossing([&a, &b], pair, &flanks, normal, farthest);
-                if let Some(found) = found {
-                    let draft = self.draft_edges(pair, &found, last, bodies, &reach);
-                    self.push(draft, touches, bodies, rows, reach);
+                match edge::crossing([&a, &b], pair, &flanks, normal, farthest) {
+                    Ok(found) => {
+                        apart.note(i, self.way, f64::NEG_INFINITY);
+                        let draft = self.draft_edges(pair, &found, last, bodies, &reach);
+                        self.push(draft, touches, bodies, rows, reach);
+                    }
+                    Err(distance) => apart.note(i, self.way, distance),
                 }
             }
         }

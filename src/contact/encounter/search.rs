@@ -1,6 +1,7 @@
 //! The lists of an encounter: what is near what.
 
 use super::Encounter;
+use super::apart::Apart;
 use super::closest::segments_apart;
 use super::outline::{NONE, Outline};
 use super::posed::Posed;
@@ -23,6 +24,7 @@ impl Encounter {
     /// coming substep, which is anything within `farthest` m of touching.
     pub fn refresh(&mut self, bodies: [Searched; 2], moved: f64, farthest: f64) {
         self.budget -= moved;
+        self.way += moved;
         if self.budget >= farthest {
             return;
         }
@@ -35,7 +37,9 @@ impl Encounter {
         // Fast things would list whole bodies.
         let more = (3.0 * farthest + 100.0 * moved).max(least).min(spacing);
         let margin = farthest + more.max(moved);
-        self.budget = margin;
+        (self.budget, self.way) = (margin, 0.0);
+        self.nodes_apart.iter_mut().for_each(Apart::clear);
+        self.edges_apart.clear();
         let origin = bodies[0].state.origin;
         let [a, b] = bodies.map(|Searched { state, outline }| {
             outline.refit(state);
