@@ -130,7 +130,7 @@ impl Pass<'_> {
     }
 
     /// By how much the normal velocity of a row exceeds what it is to be, with its lift \[m/s\].
-    fn missed(&self, i: usize) -> f64 {
+    pub fn missed(&self, i: usize) -> f64 {
         self.excess(i) - self.contacts[i].lift.speed
     }
 

@@ -9,12 +9,14 @@ use crate::math::DMat3;
 /// What nodes may be off by \[length units/s²\]: about gravity, at 5 kHz half a micrometre.
 const NODES: f64 = 10.0;
 /// What rigid bodies may be off by, likewise: a hundred rows on one may add up.
-const SHADOWS: f64 = 0.03;
+const SHADOWS: f64 = 0.1;
 
 /// Changes of velocity that no other row has to answer \[m/s\]. None by default.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Negligible {
+    /// Of nodes.
     pub nodes: f64,
+    /// Of shadows.
     pub shadows: f64,
 }
 
@@ -31,7 +33,9 @@ impl Negligible {
 /// How much faster the two sides of a row get by an impulse, at most \[1/kg\].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Give {
+    /// Nodes.
     pub nodes: f64,
+    /// Shadows.
     pub shadows: f64,
 }
 

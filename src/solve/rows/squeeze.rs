@@ -89,6 +89,9 @@ impl Squeeze {
 impl Pass<'_> {
     /// Solves a row whose nodes have rows of their own.
     pub(super) fn solve_squeezed(&mut self, i: usize) -> bool {
+        if self.contacts[i].impulse() == DVec3::ZERO && self.missed(i) >= 0.0 {
+            return false;
+        }
         let mut attempt = std::mem::take(self.attempt);
         let squeeze = self.squeeze;
         let terms = self.points.terms_of(self.contacts[i].terms);
@@ -110,9 +113,10 @@ impl Pass<'_> {
     /// nodes' own response once they don't: beyond zero that steepest slope leads back without crossing it again, before
     /// zero the measured one leads on.
     fn press_squeezed(&mut self, i: usize) -> bool {
-        let row = &self.contacts[i];
-        let most = self.squeezed_mass(i, row.normal, row.softness, Hold::All);
-        let mut mass = self.squeezed_mass(i, row.normal, row.softness, Hold::Active);
+        let Row {
+            normal, softness, ..
+        } = self.contacts[i];
+        let mut mass = self.squeezed_mass(i, normal, softness, Hold::Active);
         let mut changed = false;
         for _ in 0..TRIES {
             let (j, v) = (self.contacts[i].normal_impulse, self.excess(i));
@@ -134,7 +138,7 @@ impl Pass<'_> {
             if mass.is_nan() || mass <= 0.0 {
                 break;
             }
-            mass = mass.min(most);
+            mass = mass.min(self.squeezed_mass(i, normal, softness, Hold::All));
         }
         changed
     }
@@ -149,7 +153,6 @@ impl Pass<'_> {
         }
         let direction = slip / speed;
         let alone = row.response.mass_along(direction);
-        let most = self.squeezed_mass(i, direction, 0.0, Hold::All);
         let mut mass = self.squeezed_mass(i, direction, 0.0, Hold::Active);
         let mut changed = false;
         for _ in 0..TRIES {
@@ -172,7 +175,8 @@ impl Pass<'_> {
             if mass.is_nan() || mass <= 0.0 {
                 break;
             }
-            (slip, mass) = (left, mass.min(most));
+            slip = left;
+            mass = mass.min(self.squeezed_mass(i, direction, 0.0, Hold::All));
         }
         changed
     }

@@ -263,3 +263,52 @@ fn a_body_that_leaves_by_itself_is_not_lifted() {
     assert_eq!(rows.contacts[0].normal_impulse, 0.0);
     assert!((shadows[1].v.y - 0.5).abs() < 1e-12);
 }
+
+/// A body that falls on a strip of light nodes, each row on two of them: once what is left concerns nobody it is left, which
+/// moves the nodes by less than gravity and the body by less than a hundredth of it, and takes no momentum.
+#[test]
+fn what_is_settled_is_hardly_off() {
+    let h = 2e-4;
+    let strip = |negligible: Negligible| {
+        let mut rows = Rows {
+            negligible,
+            ..Rows::default()
+        };
+        for i in 0..9 {
+            let up = DVec3::Y * (0.02 + 0.005 * f64::from(i % 3));
+            rows.nodes.push(RowNode {
+                inv_mass: 100.0,
+                ..node(up)
+            });
+        }
+        for i in 0..8 {
+            let half = |node: u32| Term {
+                node,
+                weight: 0.5,
+                share: 0.5,
+            };
+            let terms = rows.add_terms([half(i), half(i + 1)]);
+            rows.contacts.push(Row {
+                shadow: 1,
+                normal: DVec3::new(0.1 * (f64::from(i) - 3.5), -1.0, 0.0).normalize(),
+                friction: 0.5,
+                ..row(terms)
+            });
+        }
+        let mut shadows = [Shadow::FIXED; 2];
+        shadows[1].inv_mass = DMat3::from_diagonal(DVec3::splat(0.1));
+        shadows[1].v = DVec3::Y * -9.81 * h;
+        rows.solve(&mut shadows, h, 64, false);
+        (rows, shadows[1])
+    };
+    let (exact, still) = strip(Negligible::default());
+    let (quick, moved) = strip(Negligible::of(h, 1.0));
+    let off = exact.nodes.iter().zip(&quick.nodes);
+    let off = off.map(|(a, b)| a.v.distance(b.v)).fold(0.0, f64::max);
+    assert!(0.0 < off && off < 10.0 * h, "nodes by {off} m/s");
+    let body = still.v.distance(moved.v);
+    assert!(body < 0.1 * h, "the body by {body} m/s");
+    let nodes: DVec3 = quick.nodes.iter().map(|n| (n.v - n.free) * 0.01).sum();
+    let given = (moved.v + DVec3::Y * 9.81 * h) * 10.0;
+    assert!((nodes + given).length() < 1e-12);
+}
