@@ -52,7 +52,7 @@ pub trait Number:
     fn ln(self) -> Self;
     /// Absolute value.
     fn abs(self) -> Self;
-    /// The larger of two; the other where this one is NaN. One instruction.
+    /// The larger of two; the other where they are equal or one is NaN, which is one instruction of x86.
     fn max(self, other: Self) -> Self;
     /// The smaller of two, likewise.
     fn min(self, other: Self) -> Self;

@@ -56,7 +56,8 @@ impl Deformable {
         self.energies_about(|_| true)
     }
 
-    /// The same without what nodes and springs hold that are not about any of these nodes.
+    /// The same without those nodes, and those springs between two of them, that it is not about. Tets, links and work so far
+    /// are counted whole.
     pub(super) fn energies_about(&self, about: impl Fn(usize) -> bool) -> Energies {
         let gravity = self.gravity();
         let mut energies = Energies {

@@ -254,7 +254,8 @@ pub(super) fn find_rows(
     let Ok([(_, a), (_, b)]) = members.get_disjoint_mut(places) else {
         return 0.0;
     };
-    let moved = h * (a.fastest() + b.fastest());
+    let moved = a.moved + b.moved;
+    let closing = h * (a.fastest() + b.fastest());
     // Taken out for as long as the rest of the bodies is looked at.
     let [Some(mut of_a), Some(mut of_b)] = [&mut *a, &mut *b].map(|body| body.outline.take())
     else {
@@ -265,7 +266,7 @@ pub(super) fn find_rows(
         h,
         touching: s.touching,
         slack,
-        farthest: s.touching + slack + 2.0 * moved,
+        farthest: s.touching + slack + 2.0 * closing,
     };
     let (side_a, slots_a) = a.side(encounter.members[0]);
     let (side_b, slots_b) = b.side(encounter.members[1]);
@@ -273,7 +274,7 @@ pub(super) fn find_rows(
     encounter.refresh(
         searched.map(|(state, outline)| Searched { state, outline }),
         moved,
-        reach.farthest,
+        (closing, reach.farthest),
     );
     let origin = side_a.state.origin;
     let mut bodies = Bodies {
@@ -286,5 +287,5 @@ pub(super) fn find_rows(
     };
     encounter.add_rows(&mut bodies, rows, reach);
     (a.outline, b.outline) = (Some(of_a), Some(of_b));
-    moved
+    closing
 }

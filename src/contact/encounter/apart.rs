@@ -23,10 +23,10 @@ impl Apart {
         }
     }
 
-    /// Whether what stands at a place is surely farther off than `reach` m, after a way of `way` m.
+    /// How far off what stands at a place is at least, after a way of `way` m \[m\]: below zero where that is not known.
     #[inline(always)]
-    pub fn is_beyond(&self, place: usize, way: f64, reach: f64) -> bool {
-        self.due[place] - way > reach
+    pub fn at_least(&self, place: usize, way: f64) -> f64 {
+        self.due[place] - way
     }
 
     /// Notes that it is `distance` m off, or more.

@@ -61,28 +61,27 @@ fn can_push(flanks: &[DVec3; 2], outwards: DVec3) -> bool {
     flanks.iter().all(|f| f.dot(outwards) <= LEAN)
 }
 
-/// Where edge `edges[0]` of the first body and `edges[1]` of the second cross, if they are within `farthest` m; if they do
-/// not, how far apart they are at least \[m\]. `flank` is what [`flanks`] says of the first; `last` is the normal they had
-/// last.
+/// How far apart edge `edges[0]` of the first body and `edges[1]` of the second are at least \[m\], and where they cross, if
+/// they do within `farthest` m. `flank` is what [`flanks`] says of the first; `last` is the normal they had last.
 pub fn crossing(
     bodies: [&Posed; 2],
     edges: [u32; 2],
     flank: &[DVec3; 2],
     last: Option<DVec3>,
     farthest: f64,
-) -> Result<Crossing, f64> {
+) -> (f64, Option<Crossing>) {
     let (a, b) = (bodies[0].ends(edges[0]), bodies[1].ends(edges[1]));
     let Some([s, t]) = between_segments(a, b) else {
-        return Err(segments_apart(a, b));
+        return (segments_apart(a, b), None);
     };
     let way = a[0].lerp(a[1], s) - b[0].lerp(b[1], t);
     let apart = way.length();
     if apart > farthest {
-        return Err(apart);
+        return (apart, None);
     }
     let other = flanks(bodies[1], edges[1]);
     if !stands_out(bodies[1], edges[1], &other) {
-        return Err(apart);
+        return (apart, None);
     }
     let across = (a[1] - a[0]).cross(b[1] - b[0]).normalize();
     let out_of = |k: usize| {
@@ -108,10 +107,10 @@ pub fn crossing(
         farthest.min(DEEPEST * shortest)
     };
     let possible = gap > -deepest && can_push(&other, normal) && can_push(flank, -normal);
-    let crossing = Crossing {
+    let crossing = possible.then_some(Crossing {
         along: [s, t],
         normal,
         gap,
-    };
-    if possible { Ok(crossing) } else { Err(apart) }
+    });
+    (apart, crossing)
 }

@@ -80,21 +80,14 @@ impl Query<'_> {
             return (f64::INFINITY, [None; 2]);
         };
         let apart = best.squared.sqrt();
-        // What did not touch cannot be farther inside than the way of a substep: where it seems to be, a crumpled surface has
-        // turned inside out.
+        if self.is_out_of_reach(apart) {
+            return (apart, [None; 2]);
+        }
         let deepest = if self.known.is_empty() {
             self.deepest_unknown()
         } else {
             f64::INFINITY
         };
-        let most = if self.other.outline.closed {
-            deepest
-        } else {
-            self.farthest
-        };
-        if apart > most {
-            return (apart, [None; 2]);
-        }
         let seen = self.see(&best);
         let seen = seen.filter(|f| f.gap <= self.farthest && f.gap >= -deepest);
         let Some(first) = seen else {
@@ -105,8 +98,22 @@ impl Query<'_> {
         (apart, [Some(first), second])
     }
 
-    /// How deep inside something can be that did not touch \[m\].
-    pub fn deepest_unknown(&self) -> f64 {
+    /// Whether a node that is `apart` m off all of them can touch nothing.
+    pub fn is_out_of_reach(&self, apart: f64) -> bool {
+        let most = if !self.other.outline.closed {
+            self.farthest
+        } else if self.known.is_empty() {
+            // Under a rim the nearest element is not the one that bears the node.
+            self.deepest_unknown().max(RIM * self.touching)
+        } else {
+            f64::INFINITY
+        };
+        apart > most
+    }
+
+    /// How deep inside something can be that did not touch: not farther than the way of a substep. Where it seems to be, a
+    /// crumpled surface has turned inside out \[m\].
+    fn deepest_unknown(&self) -> f64 {
         self.farthest + self.unseen
     }
 

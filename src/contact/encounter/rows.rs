@@ -94,8 +94,7 @@ impl Encounter {
                 unseen: self.unseen,
                 touching: reach.touching,
             };
-            let fresh = query.known.is_empty();
-            if fresh && apart.is_beyond(start, self.way, query.deepest_unknown()) {
+            if query.known.is_empty() && query.is_out_of_reach(apart.at_least(start, self.way)) {
                 continue;
             }
             let (distance, found) = query.find();
@@ -151,7 +150,7 @@ impl Encounter {
             let start = at;
             at += self.edges[at..].iter().take_while(|p| p.0 == edge).count();
             let known = touches.of(edge, &mut from).len();
-            let beyond = |apart: &Apart, i: usize| apart.is_beyond(i, self.way, farthest);
+            let beyond = |apart: &Apart, i: usize| apart.at_least(i, self.way) > farthest;
             if known == 0 && (start..at).all(|i| beyond(apart, i)) {
                 continue;
             }
@@ -169,13 +168,11 @@ impl Encounter {
                 }
                 let normal = last.map(|t| t.normal);
                 let pair = [edge, other];
-                match edge::crossing([&a, &b], pair, &flanks, normal, farthest) {
-                    Ok(found) => {
-                        apart.note(i, self.way, f64::NEG_INFINITY);
-                        let draft = self.draft_edges(pair, &found, last, bodies, &reach);
-                        self.push(draft, touches, bodies, rows, reach);
-                    }
-                    Err(distance) => apart.note(i, self.way, distance),
+                let (distance, found) = edge::crossing([&a, &b], pair, &flanks, normal, farthest);
+                apart.note(i, self.way, distance);
+                if let Some(found) = found {
+                    let draft = self.draft_edges(pair, &found, last, bodies, &reach);
+                    self.push(draft, touches, bodies, rows, reach);
                 }
             }
         }

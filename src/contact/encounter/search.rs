@@ -21,8 +21,8 @@ pub struct Searched<'a> {
 
 impl Encounter {
     /// Makes the lists anew if, after `moved` m since the last look, they might lack something that can get a row in the
-    /// coming substep, which is anything within `farthest` m of touching.
-    pub fn refresh(&mut self, bodies: [Searched; 2], moved: f64, farthest: f64) {
+    /// coming substep, which is anything within `farthest` m of touching. In a substep the two may close by `closing` m.
+    pub fn refresh(&mut self, bodies: [Searched; 2], moved: f64, (closing, farthest): (f64, f64)) {
         self.budget -= moved;
         self.way += moved;
         if self.budget >= farthest {
@@ -35,8 +35,8 @@ impl Encounter {
             0.0
         };
         // Fast things would list whole bodies.
-        let more = (3.0 * farthest + 100.0 * moved).max(least).min(spacing);
-        let margin = farthest + more.max(moved);
+        let more = (3.0 * farthest + 100.0 * closing).max(least).min(spacing);
+        let margin = farthest + more.max(closing);
         (self.budget, self.way) = (margin, 0.0);
         self.nodes_apart.iter_mut().for_each(Apart::clear);
         self.edges_apart.clear();

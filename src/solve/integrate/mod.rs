@@ -168,7 +168,7 @@ impl<S: Scalar> Sums<S> {
     #[inline(always)]
     fn speed(&mut self, v: [S; 3]) {
         let squared = dot(v, v);
-        self.speed_squared = self.speed_squared.max(squared);
+        self.speed_squared = squared.max(self.speed_squared);
         self.all_speeds += squared;
     }
 

@@ -282,7 +282,7 @@ impl<V: Vector> Trial<V> {
     #[inline(always)]
     pub fn new(at: [V; 3], far: &impl End<V>, part: usize, rest: V) -> Self {
         let d = difference(far.place(part), at);
-        let length = dot(d, d).at_least(LEAST_SQUARE).sqrt();
+        let length = dot(d, d).max(V::of(LEAST_SQUARE.into())).sqrt();
         let inverse = V::ONE / length;
         Self {
             direction: [d[0] * inverse, d[1] * inverse, d[2] * inverse],

@@ -25,8 +25,6 @@ pub use runs::{Columns, Run, Runs, Span, Starts, Three};
 
 /// One, four, eight or sixteen `f32`.
 pub trait Vector: Packed<f32> {
-    /// The larger of it and a number; the number where it is NaN.
-    fn at_least(self, least: f32) -> Self;
     /// One bit for each lane that is above the other's; not where one is NaN.
     fn bits_above(self, other: Self) -> u32;
     /// The product with a factor and a sum, fused where the processor can: for roofs, not for results.

@@ -27,6 +27,11 @@ impl Rows {
         }
         let rows = self.contacts.len() + self.ties.len() + self.rigid.len() + self.joints.len();
         self.worklist.start(self.nodes.len(), shadows, rows);
+        let negligible = if self.ties.is_empty() {
+            self.negligible
+        } else {
+            self.negligible.of_shadows()
+        };
         let mut pass = Pass {
             points: Points {
                 nodes: &mut self.nodes,
@@ -43,7 +48,7 @@ impl Rows {
             squeezed,
             h,
             tolerance: 0.0,
-            negligible: self.negligible,
+            negligible,
         };
         pass.prepare();
         pass.prepare_lifts(self.fastest_lift);
@@ -140,16 +145,15 @@ impl Pass<'_> {
                 own,
                 rigid,
                 mass: 0.0,
-                give: Give::of(own, &rigid),
+                give: Give::of(self.points.give(row.terms), &rigid),
             };
             row.response.mass = inverse(own + row.response.rigid_along(row.normal) + row.softness);
         }
         for tie in &mut *self.ties {
-            let nodes = self.points.response(tie.terms);
-            let own = nodes + tie.softness;
+            let own = self.points.response(tie.terms) + tie.softness;
             let rigid = self.shadows[tie.shadow as usize].response_matrix(tie.arm);
             let k = DMat3::from_diagonal(DVec3::splat(own)) + rigid;
-            tie.give = Give::of(nodes, &rigid);
+            tie.give = Give::of(self.points.give(tie.terms), &rigid);
             tie.mass = if own > 0.0 {
                 k.inverse()
             } else {

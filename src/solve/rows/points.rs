@@ -29,6 +29,12 @@ impl Points<'_> {
         k
     }
 
+    /// How much faster an impulse makes one of the nodes of a point, at most \[1/kg\].
+    pub fn give(&self, terms: Terms) -> f64 {
+        let give = |t: &Term| t.share.abs() * self.nodes[t.node as usize].inv_mass;
+        self.terms_of(terms).iter().map(give).fold(0.0, f64::max)
+    }
+
     #[inline(always)]
     pub fn push(&mut self, terms: Terms, impulse: DVec3) {
         for term in &self.terms[terms.range()] {

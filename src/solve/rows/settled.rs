@@ -1,14 +1,17 @@
 //! When a row has done what it can: what it would change any more is felt by nobody.
 //!
 //! Rows that share light nodes hand what is left of their velocities to and fro, a tenth less in each pass, long after the
-//! bodies that they press on have found their own. A substep later all rows begin anew, so an error stays as long as that:
-//! what a node is off by then is less than what gravity does in it, and the impulses that are booked are those given.
+//! bodies that they press on have found their own. What is left over is small, and a substep later all rows are visited
+//! again, in the other order. The impulses that are booked are those given. Joints of shadows go on to the end, and so do
+//! the nodes of a group that has ties: of a thousand random scenes one gained energy without, in which a pinned node is
+//! pressed on.
 
-use crate::math::DMat3;
+use crate::math::{DMat3, DVec3};
 
-/// What nodes may be off by \[length units/s²\]: about gravity, at 5 kHz half a micrometre.
-const NODES: f64 = 10.0;
-/// What rigid bodies may be off by, likewise: a hundred rows on one may add up.
+/// What a visit may leave nodes off by, as an acceleration over the substep and as a speed, which is half of that at which
+/// bodies fall asleep \[length units/s², length units/s\].
+const NODES: (f64, f64) = (10.0, 1e-3);
+/// What a visit may leave rigid bodies off by: a hundredth of gravity \[length units/s²\].
 const SHADOWS: f64 = 0.1;
 
 /// Changes of velocity that no other row has to answer \[m/s\]. None by default.
@@ -24,13 +27,18 @@ impl Negligible {
     /// In a substep of h s, for a world of this length unit.
     pub fn of(h: f64, length_unit: f64) -> Self {
         Self {
-            nodes: NODES * h * length_unit,
+            nodes: (NODES.0 * h).min(NODES.1) * length_unit,
             shadows: SHADOWS * h * length_unit,
         }
     }
+
+    /// Nothing of nodes.
+    pub fn of_shadows(self) -> Self {
+        Self { nodes: 0.0, ..self }
+    }
 }
 
-/// How much faster the two sides of a row get by an impulse, at most \[1/kg\].
+/// How much faster the nodes of a row get by an impulse, at most, and its point on the shadows \[1/kg\].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Give {
     /// Nodes.
@@ -40,9 +48,9 @@ pub struct Give {
 }
 
 impl Give {
-    /// Of a point that answers by `nodes`, and of shadows by a matrix.
+    /// Of nodes that get `nodes`, and of shadows by their matrix at the point.
     pub fn of(nodes: f64, shadows: &DMat3) -> Self {
-        let square = |column: crate::math::DVec3| column.length_squared();
+        let square = |column: DVec3| column.length_squared();
         let square = square(shadows.x_axis) + square(shadows.y_axis) + square(shadows.z_axis);
         Self {
             nodes,

@@ -89,7 +89,8 @@ impl Squeeze {
 impl Pass<'_> {
     /// Solves a row whose nodes have rows of their own.
     pub(super) fn solve_squeezed(&mut self, i: usize) -> bool {
-        if self.contacts[i].impulse() == DVec3::ZERO && self.missed(i) >= 0.0 {
+        let row = &self.contacts[i];
+        if row.normal_impulse == 0.0 && !row.rubs() && self.missed(i) >= 0.0 {
             return false;
         }
         let mut attempt = std::mem::take(self.attempt);

@@ -177,6 +177,31 @@ fn bodies_that_press_on_each_other_share_a_blow() {
     }
 }
 
+/// The friction of an arrival that was carried over is given even where the point is about to leave again.
+#[test]
+fn carried_friction_of_a_squeezed_row_is_not_lost() {
+    for squeezed in [false, true] {
+        let mut rows = rows(0.5, 0.0, DVec3::ZERO, DVec3::new(1.0, 0.2, 0.0));
+        rows.contacts[0].carried = 0.4;
+        if squeezed {
+            let beside = Row {
+                normal: DVec3::Z,
+                depth: -1.0,
+                carried: 0.0,
+                ..rows.contacts[0]
+            };
+            rows.contacts.push(beside);
+        }
+        rows.solve(&mut [Shadow::FIXED], 1e-3, 4, false);
+        let expected = DVec3::new(0.8, 0.2, 0.0);
+        assert!(
+            (rows.nodes[0].v - expected).length() < 1e-12,
+            "{}",
+            rows.nodes[0].v
+        );
+    }
+}
+
 /// Two tiles of one floor meet under a node: two rows of the same normal carry it like one, and let it slide like one.
 #[test]
 fn a_node_on_two_tiles_slides_as_on_one() {

@@ -1,14 +1,9 @@
 //! Vectors of four numbers without anything that depends on the processor.
 
 use super::{Aside, Vector};
-use crate::math::{Number, Pack};
+use crate::math::Pack;
 
 impl Vector for Pack<f32> {
-    #[inline(always)]
-    fn at_least(self, least: f32) -> Self {
-        self.max(Self::of(least.into()))
-    }
-
     #[inline(always)]
     fn multiply_and_add(self, factor: Self, more: Self) -> Self {
         self * factor + more

@@ -124,12 +124,6 @@ impl Vector for F16 {
     }
 
     #[inline(always)]
-    fn at_least(self, least: f32) -> Self {
-        // SAFETY: see the top.
-        Self(unsafe { _mm512_max_ps(self.0, _mm512_set1_ps(least)) })
-    }
-
-    #[inline(always)]
     unsafe fn columns(row: impl Fn(usize) -> *const f32) -> [Self; 4] {
         // SAFETY: the caller vouches for four numbers at each pointer; see also the top.
         unsafe {
