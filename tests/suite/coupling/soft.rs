@@ -63,6 +63,28 @@ fn sums(d: &DeformableWorld) -> (DVec3, DVec3, f64) {
     })
 }
 
+/// A cube on another that stands back under it by less than a millimetre rests on the very rim.
+#[test]
+fn a_slight_overhang_bears() {
+    for overhang in [0.3e-3, 0.7e-3] {
+        let mut world = PhysicsWorld::default();
+        let mut deformables = DeformableWorld::default();
+        let cell = || DeformableBuilder::new(shape::lattice(Vector::splat(0.1), 0.1));
+        let made =
+            |b: DeformableBuilder| b.material(Material::elastic(1.0e6, 200.0).viscosity(1.0e3));
+        let net = shape::lattice(Vector::splat(0.1), 0.1).unwrap();
+        let stand = DeformableBuilder::new(net.pin(|_| true));
+        deformables.insert(made(stand)).unwrap();
+        let at = Vector::new(overhang, 0.1, 0.0);
+        let above = deformables.insert(made(cell()).translation(at)).unwrap();
+        for _ in 0..120 {
+            deformables.step(&mut world);
+        }
+        let lowest = deformables[above].bounds().0.y;
+        assert!(lowest > 0.05 - 1.0e-3, "overhang {overhang}: {lowest}");
+    }
+}
+
 /// V43 for two deformables: momentum, angular momentum, energy and the sign of what contact dissipates.
 #[test]
 fn oblique_collisions_conserve_what_they_must() {
