@@ -28,6 +28,7 @@ pub use contact::Row;
 pub use joint::JointRow;
 pub use rigid::RigidRow;
 use rigid::start_rigid;
+use settled::Settled;
 pub use settled::{Give, Negligible};
 use squeeze::Squeeze;
 use warm::Clusters;
@@ -248,10 +249,14 @@ pub fn solve_between_shadows(
     for row in &mut *joints {
         row.start(shadows, h);
     }
+    let settled = Settled {
+        tolerance,
+        ..Settled::default()
+    };
     for _ in 0..passes {
         let mut changed = false;
         for row in &mut *contacts {
-            changed |= row.solve(shadows, tolerance, Negligible::default());
+            changed |= row.solve(shadows, settled);
         }
         for row in &mut *joints {
             changed |= row.solve(shadows, tolerance);

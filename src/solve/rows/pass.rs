@@ -4,7 +4,7 @@ use super::climb::Attempt;
 use super::contact::Response;
 use super::points::Points;
 use super::rigid::start_rigid;
-use super::settled::{Felt, Give, Negligible};
+use super::settled::{Give, Settled};
 use super::squeeze::Squeeze;
 use super::worklist::Worklist;
 use super::{JointRow, LEAD_RATE, RigidRow, Row, Rows, Term, Tie};
@@ -47,8 +47,10 @@ impl Rows {
             worklist: &mut self.worklist,
             squeezed,
             h,
-            tolerance: 0.0,
-            negligible,
+            settled: Settled {
+                tolerance: 0.0,
+                negligible,
+            },
         };
         pass.prepare();
         pass.prepare_lifts(self.fastest_lift);
@@ -60,7 +62,7 @@ impl Rows {
             passes
         };
         for n in 0..most {
-            pass.tolerance = if n < passes { 1e-9 } else { 1e-3 };
+            pass.settled.tolerance = if n < passes { 1e-9 } else { 1e-3 };
             let changed = if reversed == (n % 2 == 0) {
                 pass.solve_joints(true)
                     | pass.solve_rigid(true)
@@ -112,9 +114,7 @@ pub(super) struct Pass<'a> {
     /// Whether `squeeze` is of these rows.
     squeezed: bool,
     h: f64,
-    /// Relative change of an impulse below which it counts as settled.
-    tolerance: f64,
-    negligible: Negligible,
+    settled: Settled,
 }
 
 impl Pass<'_> {
@@ -195,16 +195,15 @@ impl Pass<'_> {
 
     fn solve_rigid(&mut self, reversed: bool) -> bool {
         let first = self.contacts.len() + self.ties.len();
-        let (shadows, tolerance) = (&mut *self.shadows, self.tolerance);
-        let negligible = self.negligible;
+        let (shadows, settled) = (&mut *self.shadows, self.settled);
         self.worklist.pass(first, self.rigid, reversed, |row| {
-            row.solve(shadows, tolerance, negligible)
+            row.solve(shadows, settled)
         })
     }
 
     fn solve_joints(&mut self, reversed: bool) -> bool {
         let first = self.contacts.len() + self.ties.len() + self.rigid.len();
-        let (shadows, tolerance) = (&mut *self.shadows, self.tolerance);
+        let (shadows, tolerance) = (&mut *self.shadows, self.settled.tolerance);
         self.worklist.pass(first, self.joints, reversed, |row| {
             row.solve(shadows, tolerance)
         })
@@ -298,23 +297,15 @@ impl Pass<'_> {
     #[inline(always)]
     fn note(&mut self, i: usize, change: DVec3) -> bool {
         let row = &self.contacts[i];
-        let felt = self.felt(change, row.normal_impulse.powi(2), row.response.give);
+        let square = row.normal_impulse * row.normal_impulse;
+        let felt = self
+            .settled
+            .felt(change.length_squared(), square, row.response.give);
         if felt.any() {
             let terms = self.points.terms_of(row.terms);
             self.worklist.change(terms, [row.shadow; 2], felt);
         }
         felt.any()
-    }
-
-    /// Who feels a change of an impulse that is of this square now \[N²·s²\].
-    #[inline(always)]
-    fn felt(&self, change: DVec3, square: f64, give: Give) -> Felt {
-        let change = change.length_squared();
-        if change > self.tolerance.powi(2) * square {
-            give.felt(change, self.negligible)
-        } else {
-            Felt::default()
-        }
     }
 
     /// The slip velocity of a row, whether there is friction or not \[m/s\].
@@ -354,7 +345,8 @@ impl Pass<'_> {
         self.points.push(tie.terms, change);
         shadow.push(tie.arm, -change);
         let tie = &self.ties[i];
-        let felt = self.felt(change, tie.impulse.length_squared(), tie.give);
+        let square = tie.impulse.length_squared();
+        let felt = self.settled.felt(change.length_squared(), square, tie.give);
         if felt.any() {
             let terms = self.points.terms_of(tie.terms);
             self.worklist.change(terms, [tie.shadow; 2], felt);

@@ -6,7 +6,7 @@
 
 use super::climb::Climb;
 use super::contact::Response;
-use super::settled::{Give, Negligible};
+use super::settled::{Give, Settled};
 use crate::law::row::{allowed_velocity, friction_impulse, normal_impulse};
 use crate::math::DVec3;
 use crate::solve::shadow::Shadow;
@@ -101,12 +101,7 @@ impl RigidRow {
     }
 
     /// One visit of a pass; whether it was not settled yet.
-    pub(super) fn solve(
-        &mut self,
-        shadows: &mut [Shadow],
-        tolerance: f64,
-        negligible: Negligible,
-    ) -> bool {
+    pub(super) fn solve(&mut self, shadows: &mut [Shadow], settled: Settled) -> bool {
         let mut relative = self.velocity(shadows);
         let Response { allowed, mass, .. } = self.response;
         let jn = normal_impulse(
@@ -131,9 +126,8 @@ impl RigidRow {
             }
         }
         self.push(shadows, impulse);
-        let square = impulse.length_squared();
-        let least = tolerance * jn;
-        square > least * least && self.response.give.felt(square, negligible).any()
+        let change = impulse.length_squared();
+        settled.felt(change, jn * jn, self.response.give).any()
     }
 
     /// Ends a substep of h s.

@@ -57,14 +57,28 @@ impl Give {
             shadows: square.sqrt(),
         }
     }
+}
 
-    /// Which sides feel an impulse of this square \[N²·s²\].
+/// What counts as settled in a pass.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Settled {
+    /// Relative change of an impulse that nobody feels.
+    pub tolerance: f64,
+    /// Changes of velocity that nobody feels.
+    pub negligible: Negligible,
+}
+
+impl Settled {
+    /// Which sides feel a change of an impulse, by the squares of the change and of the impulse \[N²·s²\].
     #[inline(always)]
-    pub fn felt(&self, square: f64, negligible: Negligible) -> Felt {
-        let above = |give: f64, least: f64| square * (give * give) > least * least;
+    pub fn felt(&self, change: f64, impulse: f64, give: Give) -> Felt {
+        if change <= self.tolerance * self.tolerance * impulse {
+            return Felt::default();
+        }
+        let above = |give: f64, least: f64| change * (give * give) > least * least;
         Felt {
-            nodes: above(self.nodes, negligible.nodes),
-            shadows: above(self.shadows, negligible.shadows),
+            nodes: above(give.nodes, self.negligible.nodes),
+            shadows: above(give.shadows, self.negligible.shadows),
         }
     }
 }
