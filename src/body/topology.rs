@@ -31,6 +31,8 @@ pub struct Topology {
     /// Each edge of a face once, but for the diagonals of flat quads: whatever lies across a diagonal lies across two sides.
     /// Of a body without faces, its springs.
     pub edges: Vec<[u32; 2]>,
+    /// Of a closed surface the third nodes of the triangles to the left and to the right of each edge, seen from outside.
+    pub wings: Vec<[u32; 2]>,
     /// Whether the faces enclose a volume: every edge belongs to two faces that agree on which side is outside. A surface
     /// that is open has no outside, and both sides count.
     pub closed: bool,
@@ -70,9 +72,20 @@ impl Topology {
             .map(|f| Some(Face::Triangle(*f)))
             .collect();
         let mut edges = Vec::with_capacity(sides.len());
+        let mut wings = Vec::new();
         for (&[a, b], sides) in &sides {
             match quad(at(a).distance(at(b)), [a, b], sides) {
-                None => edges.push([a, b]),
+                None => {
+                    edges.push([a, b]);
+                    if let ([first, second], true) = (sides.as_slice(), closed) {
+                        let [left, right] = if first.from == a {
+                            [first, second]
+                        } else {
+                            [second, first]
+                        };
+                        wings.push([left.opposite, right.opposite]);
+                    }
+                }
                 Some((first, second, nodes)) => {
                     faces[first] = Some(Face::Quad(nodes));
                     faces[second] = None;
@@ -87,6 +100,7 @@ impl Topology {
             faces: faces.into_iter().flatten().collect(),
             spacing: total / edges.len().max(1) as f64,
             edges,
+            wings,
             closed,
         }
     }
@@ -138,6 +152,7 @@ mod tests {
     fn a_block_is_closed_and_a_sheet_is_open() {
         let block = topology(shape::lattice(Vector::ONE, 0.5).unwrap());
         assert!(block.closed);
+        assert_eq!(block.edges.len(), block.wings.len());
         // Euler: V − E + F = 2.
         assert_eq!(block.faces.len(), 24);
         assert_eq!(26 + 24, 2 + block.edges.len());

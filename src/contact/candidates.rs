@@ -12,7 +12,7 @@ mod saved;
 pub use saved::Saved;
 
 use super::feature::Features;
-use super::form::{Form, address};
+use super::form::address;
 use super::nodes::Nodes;
 use super::site::Site;
 use super::target::{Frame, Target};
@@ -41,19 +41,11 @@ pub struct Candidates {
     spacing: f64,
 }
 
-/// What of a body needs to be watched near a target besides its nodes.
-fn features(form: &Form, spacing: f64) -> Option<Features> {
-    match form {
-        Form::Solid(solid) => Features::of(solid, spacing),
-        Form::Soup(_) => None,
-    }
-}
-
 impl Candidates {
     /// Lists to be filled at first use, for a body of this spacing \[m\].
     pub fn new(target: Target, pair: u32, spacing: f64) -> Self {
         Self {
-            features: features(&target.form, spacing),
+            features: Features::of(&target.form, spacing),
             target,
             pair,
             nodes: Nodes::default(),
@@ -88,7 +80,7 @@ impl Candidates {
         } else {
             self.forget();
             if !alike {
-                self.features = features(&target.form, self.spacing);
+                self.features = Features::of(&target.form, self.spacing);
             }
         }
         self.frame = Some(now);
@@ -101,7 +93,6 @@ impl Candidates {
         self.way = 0.0;
         self.nodes.reset();
         if let Some(features) = &mut self.features {
-            features.reset();
             features.forget();
         }
     }

@@ -73,6 +73,19 @@ impl Touches {
         Some((touch.normal, touch.hold))
     }
 
+    /// The normal this point had when it last touched.
+    pub fn normal(&self, key: Key) -> Option<DVec3> {
+        let i = self.kept.binary_search_by_key(&key, |t| t.key).ok()?;
+        Some(self.kept[i].normal)
+    }
+
+    /// The normal that any point whose key begins like this had when it last touched.
+    pub fn normal_like(&self, [first, second]: [u32; 2]) -> Option<DVec3> {
+        let i = self.kept.partition_point(|t| t.key < [first, second, 0]);
+        let touch = self.kept.get(i)?;
+        (touch.key[0] == first && touch.key[1] == second).then_some(touch.normal)
+    }
+
     /// What the row of this point ended with last \[N·s\].
     pub fn impulse(&self, key: Key) -> (f64, DVec3) {
         let i = self.kept.binary_search_by_key(&key, |t| t.key);

@@ -29,6 +29,7 @@ impl Watch {
     /// Forgets all distances.
     pub fn reset(&mut self) {
         self.due.clear();
+        self.soon.clear();
     }
 
     /// Whether any distance is known.
@@ -142,6 +143,14 @@ mod tests {
             f64::from(i) * 1e-2 - 0.5
         });
         assert_eq!(seen, (0..=50).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn nothing_is_looked_at_where_nothing_is_left() {
+        let mut watch = Watch::default();
+        watch.visit(10, 0.0, (1.0, 1.0), |_| 0.0);
+        watch.reset();
+        watch.visit(0, 0.0, (1.0, 1.0), |_| panic!("there is nothing"));
     }
 
     #[test]

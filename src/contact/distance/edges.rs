@@ -1,10 +1,31 @@
 //! What a face of a deformable can meet before its nodes do: corners, edges and curved parts of a solid.
 
 use super::{Core, Solid, primitive};
+use crate::contact::soup::{Edge, EdgeSearch};
 use crate::math::DVec3;
 use std::f64::consts::SQRT_2;
 
 impl Solid {
+    /// Whether it is made of filled cells.
+    pub fn is_voxels(&self) -> bool {
+        matches!(self.core, Core::Voxels(_))
+    }
+
+    /// Puts into `out` the edges of filled cells that stand out and meet the box from `lo` to `hi` \[m\]; of other solids
+    /// none.
+    pub fn voxel_edges_in(
+        &self,
+        lo: DVec3,
+        hi: DVec3,
+        search: &mut EdgeSearch,
+        out: &mut Vec<Edge>,
+    ) {
+        match &self.core {
+            Core::Voxels(grid) => grid.edges_in((lo, hi), search, out),
+            _ => out.clear(),
+        }
+    }
+
     /// Appends the points of a convex solid \[m\] that a flat face can touch first, `normal` being the unit normal from the
     /// face towards the solid: corners; the ends of a capsule; of rims the lowest point and those turned by quarters. None
     /// for half-spaces, compounds and voxels.

@@ -4,6 +4,7 @@
 
 use super::primitive;
 use super::way::{SELF, Way, bit, neighbours, order, place};
+use crate::contact::soup::{Edge, EdgeKind, EdgeSearch, Facet};
 use crate::math::{DVec3, wide};
 use rapier3d::math::{IVector, Vector};
 use rapier3d::parry::bounding_volume::Aabb;
@@ -208,6 +209,52 @@ impl Grid {
     /// The box of all filled cells.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         (self.lo, self.hi)
+    }
+
+    /// Puts into `out` the edges of the surface that stand out and meet a box.
+    pub fn edges_in(&self, (lo, hi): (DVec3, DVec3), search: &mut EdgeSearch, out: &mut Vec<Edge>) {
+        out.clear();
+        // All cells round an edge in the box.
+        let cell = |p: DVec3| (p / self.cell).floor().as_ivec3();
+        let (first, last) = (cell(lo.max(self.lo)), cell(hi.min(self.hi)));
+        if lo.cmple(self.hi).all() && self.lo.cmple(hi).all() {
+            let span = |a: i32, b: i32| a.saturating_sub(1)..=b.saturating_add(1);
+            let cells = span(first.z, last.z).flat_map(|z| {
+                let rows = span(first.y, last.y);
+                rows.flat_map(move |y| span(first.x, last.x).map(move |x| IVector::new(x, y, z)))
+            });
+            let facets = cells.flat_map(|c| self.facets(c));
+            let stands_out = |edge: &Edge| edge.kind != EdgeKind::Valley;
+            search.find(facets, (lo, hi), stands_out, out);
+        }
+    }
+
+    /// Two triangles for each free side of a filled cell, seen from outside, and their numbers.
+    fn facets(&self, cell: IVector) -> impl Iterator<Item = (u32, Facet)> {
+        let near = self.near(cell);
+        let place = (cell - self.first * 8).as_uvec3();
+        let size = self.size.as_uvec3() * 8;
+        let number = place.z.wrapping_mul(size.y).wrapping_add(place.y);
+        let number = number.wrapping_mul(size.x).wrapping_add(place.x);
+        let corner = cell.as_dvec3();
+        let width = self.cell;
+        (0..6_usize).flat_map(move |side| {
+            let (axis, up) = (side / 2, side % 2);
+            let unit = |axis: usize| DVec3::AXES[axis % 3];
+            let mut step = IVector::splat(0);
+            step[axis] = 2 * up as i32 - 1;
+            let free = near & SELF != 0 && near & bit(step) == 0;
+            let base = corner + unit(axis) * up as f64;
+            let (u, v) = (unit(axis + 1 + (1 - up)), unit(axis + 2 - (1 - up)));
+            let quad = [base, base + u, base + u + v, base + v].map(|p| p * width);
+            let first = number.wrapping_mul(12).wrapping_add(2 * side as u32);
+            let [a, b, c, d] = quad;
+            let triangles = [
+                (first, Facet::Triangle([a, b, c])),
+                (first.wrapping_add(1), Facet::Triangle([a, c, d])),
+            ];
+            triangles.into_iter().filter(move |_| free)
+        })
     }
 
     /// Signed distance and normal.

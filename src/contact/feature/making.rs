@@ -1,15 +1,13 @@
-//! The rows of faces and edges of one body against one convex part.
+//! The rows of faces and edges of one body against points and edges of a target.
 
-use super::part::Convex;
-use super::patch::Patch;
-use crate::contact::distance::Crossing;
+use super::patch::{Foot, Patch};
 use crate::contact::site::Site;
 use crate::contact::target::{Frame, Target};
 use crate::contact::touches::{Hold, Key, Touches, along};
 use crate::math::DVec3;
 use crate::solve::rows::Row;
 
-/// A point of a part over or under a face of the deformable, in the part's frame.
+/// A point of a target over or under a face of the deformable, in the target's frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Met {
     pub point: u32,
@@ -46,19 +44,21 @@ impl Met {
     }
 }
 
-/// The rows of faces or edges against a part, in the making.
+/// The rows of faces or edges in the making.
 pub(super) struct Making<'a, 's> {
     pub target: &'a Target,
     pub pair: u32,
-    pub part: &'a Convex,
+    /// Of the part of the target that is looked at.
     pub frame: Frame,
+    /// Distance that is kept from it \[m\].
+    pub skin: f64,
     pub site: &'a mut Site<'s>,
     pub touches: &'a mut Touches,
-    /// How far anything can be from an edge of the part and still matter \[m\].
+    /// How far anything can be from what is sharp and still matter \[m\].
     pub near: f64,
 }
 
-/// A point of a face or an edge that meets the part, in the part's frame.
+/// A point of a face or an edge that meets the target, in its frame.
 struct Point<'a> {
     nodes: &'a [u32],
     corners: &'a [DVec3],
@@ -68,80 +68,78 @@ struct Point<'a> {
 }
 
 impl Making<'_, '_> {
-    /// Collects the points of the part that meet a face. Of a closed surface the outside is that of its winding; of an open
-    /// one the side on which the middle of the part is. Returns how far the face is from any, or less \[m\].
-    pub(super) fn meet(
-        &mut self,
-        p: u32,
-        f: u32,
-        points: &mut Vec<DVec3>,
-        met: &mut Vec<Met>,
-    ) -> f64 {
-        let side = self.site.side;
-        let nodes = side.topology.faces[f as usize].nodes();
-        let local = nodes.iter().map(|&i| self.frame.to_local(side.state, i));
-        let patch = Patch::new(local);
-        let (lo, hi) = bounds(patch.corners());
-        let apart = self.part.solid.points_apart(lo, hi);
-        if apart > self.near && !self.touches.knows_last(p, f) {
-            return apart;
-        }
-        let (middle, radius) = patch.ball();
-        let away = self.part.solid.signed_distance(middle).0 - radius;
-        if away > self.target.skin + self.site.reach.farthest {
-            return apart.max(away);
-        }
-        let Some(mut n) = patch.normal() else {
-            return apart;
-        };
-        if (self.part.centre - patch.corners()[0]).dot(n) < 0.0 {
-            if side.topology.closed {
-                return apart;
-            }
-            n = -n;
-        }
-        let deepest = self.deepest_point();
-        let most = radius + self.near.max(deepest);
-        let before = met.len();
-        points.clear();
-        self.part.solid.feature_points(n, points);
-        for (i, &point) in (0..).zip(points.iter()) {
-            // Bounds first: most points are far from most faces.
-            if point.distance_squared(middle) > most * most {
-                continue;
-            }
-            let height = (point - patch.corners()[0]).dot(n);
-            if height > self.target.skin + self.site.reach.farthest + side.topology.spacing {
-                continue;
-            }
-            let Some(foot) = patch.foot(point) else {
-                continue;
-            };
-            let outward = foot.normal * 1.0_f64.copysign(foot.normal.dot(n));
-            let depth = self.target.skin - (point - foot.point).dot(outward);
-            let reach = self
-                .site
-                .reach
-                .at(self.closing(nodes, patch.corners(), &foot.weights));
-            if depth >= -reach && depth <= deepest {
-                met.push(Met {
-                    point: i,
-                    face: f,
-                    weights: foot.weights,
-                    patch,
-                    normal: -outward,
-                    depth,
-                    shallow: depth <= reach,
-                });
-            }
-        }
-        // What touches may be deeper next time.
-        if met.len() > before { 0.0 } else { apart }
+    /// The corners of a face or an edge \[m\].
+    pub(super) fn corners<'n>(
+        &self,
+        nodes: &'n [u32],
+    ) -> impl ExactSizeIterator<Item = DVec3> + use<'_, 'n> {
+        let (frame, state) = (self.frame, self.site.side.state);
+        nodes.iter().map(move |&i| frame.to_local(state, i))
     }
 
-    /// How deep a point of the part can be behind a face and still belong to it \[m\].
+    /// The ends of an edge \[m\].
+    pub(super) fn ends(&self, nodes: &[u32; 2]) -> [DVec3; 2] {
+        nodes.map(|i| self.frame.to_local(self.site.side.state, i))
+    }
+
+    /// A point that comes down on a face, by its number and place, if it may touch; `outward` is the normal at the foot, away
+    /// from the body.
+    pub(super) fn over(
+        &self,
+        (number, point): (u32, DVec3),
+        (face, patch): (u32, &Patch),
+        (foot, outward): (&Foot, DVec3),
+        deepest: f64,
+    ) -> Option<Met> {
+        let depth = self.skin - (point - foot.point).dot(outward);
+        let nodes = self.site.side.topology.faces[face as usize].nodes();
+        let closing = self.closing(nodes, patch.corners(), &foot.weights);
+        let reach = self.site.reach.at(closing);
+        (depth >= -reach && depth <= deepest).then_some(Met {
+            point: number,
+            face,
+            weights: foot.weights,
+            patch: *patch,
+            normal: -outward,
+            depth,
+            shallow: depth <= reach,
+        })
+    }
+
+    /// The row of an edge of the deformable that meets one of the target at `t` of its length, unless it is too far or too
+    /// deep, or so near an end that it is the node's business.
+    pub(super) fn across(
+        &mut self,
+        key: Key,
+        (nodes, corners): (&[u32; 2], &[DVec3; 2]),
+        (t, normal, distance): (f64, DVec3, f64),
+        deepest: f64,
+    ) {
+        let depth = self.skin - distance;
+        if depth < -self.site.reach.farthest || depth > deepest {
+            return;
+        }
+        let end = BORDER * self.site.reach.touching / corners[0].distance(corners[1]);
+        if t < end || t > 1.0 - end {
+            return;
+        }
+        let weights = [1.0 - t, t, 0.0, 0.0];
+        let reach = self.site.reach.at(self.closing(nodes, corners, &weights));
+        if depth >= -reach && (depth <= reach || self.touches.touched(key)) {
+            let point = Point {
+                nodes,
+                corners,
+                weights,
+                normal,
+                depth,
+            };
+            self.add(key, point);
+        }
+    }
+
+    /// How deep a point can be behind a face and still belong to it \[m\].
     pub(super) fn deepest_point(&self) -> f64 {
-        self.target.skin + 0.5 * self.site.side.topology.spacing
+        self.skin + 0.5 * self.site.side.topology.spacing
     }
 
     /// Whether a point that touched last has not been met where it may get a row.
@@ -154,7 +152,7 @@ impl Making<'_, '_> {
         self.touches.known(p).any(|[_, point, _]| !is_met(point))
     }
 
-    /// The rows of one point of the part. A point that is deep below a face has come in through another one, unless it was
+    /// The rows of one point. A point that is deep below a face has come in through another one, unless it was
     /// known to touch; then it leaves by the nearest.
     pub(super) fn point(&mut self, p: u32, met: &[Met]) {
         let mut any = false;
@@ -189,78 +187,6 @@ impl Making<'_, '_> {
         self.add([p, m.point, m.face], point);
     }
 
-    /// An edge against the part: where it crosses the part's edges, and where it comes nearest to a round side.
-    /// Returns how far it is from any of them, or less \[m\].
-    pub(super) fn edge(&mut self, p: u32, e: u32) -> f64 {
-        let nodes = self.site.side.topology.edges[e as usize];
-        let corners = nodes.map(|node| self.frame.to_local(self.site.side.state, node));
-        let [a, b] = corners;
-        let apart = if self.part.solid.has_rim() {
-            f64::NEG_INFINITY
-        } else {
-            self.part.solid.edges_apart(a.min(b), a.max(b))
-        };
-        let known = self.touches.knows([p, e]);
-        if apart > self.near && !known {
-            return apart;
-        }
-        let part = self.part;
-        let away = part.solid.signed_distance(0.5 * (a + b)).0 - 0.5 * a.distance(b);
-        let apart = apart.max(away);
-        if away > self.target.skin + self.site.reach.farthest {
-            return apart;
-        }
-        let deepest = self.target.skin + 0.5 * part.solid.width();
-        let most = if known {
-            self.near.max(deepest)
-        } else {
-            self.near
-        };
-        let before = self.site.rows.contacts.len();
-        let mut cross = |c: Crossing| {
-            let depth = self.target.skin - c.distance;
-            if depth < -self.site.reach.farthest || depth > deepest {
-                return;
-            }
-            // So near an end it is the node's business.
-            let end = BORDER * self.site.reach.touching / a.distance(b);
-            if c.t < end || c.t > 1.0 - end {
-                return;
-            }
-            let key = [p, e, c.edge];
-            let weights = [1.0 - c.t, c.t, 0.0, 0.0];
-            let reach = self.site.reach.at(self.closing(&nodes, &corners, &weights));
-            if depth >= -reach && (depth <= reach || self.touches.touched(key)) {
-                let point = Point {
-                    nodes: &nodes,
-                    corners: &corners,
-                    weights,
-                    normal: c.normal,
-                    depth,
-                };
-                self.add(key, point);
-            }
-        };
-        part.solid.for_each_crossing(a, b, most, &mut cross);
-        if part.solid.has_round_side() {
-            let (t, distance, normal) = part.solid.nearest_on_segment(a, b);
-            if t > 0.0 && t < 1.0 {
-                cross(Crossing {
-                    edge: u32::MAX,
-                    t,
-                    normal,
-                    distance,
-                });
-            }
-        }
-        // What touches may be deeper next time.
-        if self.site.rows.contacts.len() > before {
-            0.0
-        } else {
-            apart
-        }
-    }
-
     /// Speed of a point of the deformable relative to the collider \[m/s\].
     fn closing(&self, nodes: &[u32], corners: &[DVec3], weights: &[f64; 4]) -> f64 {
         let arm = self.arm(weigh(weights, corners.iter().copied()));
@@ -269,7 +195,7 @@ impl Making<'_, '_> {
         (weigh(weights, velocities) - self.site.shadow.velocity_at(arm)).length()
     }
 
-    /// From the collider's centre of mass to a point of the part's frame \[m\].
+    /// From the collider's centre of mass to a point of the frame \[m\].
     fn arm(&self, point: DVec3) -> DVec3 {
         self.frame.axes * point + (self.frame.position - self.site.shadow.com)
     }
@@ -315,13 +241,6 @@ impl Making<'_, '_> {
             ..self.target.row(terms, self.pair, reach.h)
         });
     }
-}
-
-/// The box around some points.
-fn bounds(points: &[DVec3]) -> (DVec3, DVec3) {
-    let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    let points = points.iter();
-    points.fold(start, |(lo, hi), p| (lo.min(*p), hi.max(*p)))
 }
 
 fn weigh(weights: &[f64; 4], values: impl Iterator<Item = DVec3>) -> DVec3 {

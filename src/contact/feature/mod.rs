@@ -1,76 +1,62 @@
-//! Contacts that nodes cannot see: a corner or a curved part of a rigid solid within a face, an edge of it across an edge of
-//! the deformable.
+//! Contact of faces and edges with what no node meets.
 //!
-//! A box smaller than the spacing of the nodes, a pole between two of them, the corner of a crate on a soft block: there the
-//! points that touch are inside faces and edges, and a row acts on their nodes by barycentric weights. Points of the solid
-//! against faces and edges of the deformable against the solid, which is convex or a union of convex parts, are all there
-//! is besides node against solid. A solid that shows the body nothing but a flat face, like a floor, costs one test of a
-//! box, and what is far from edges is not looked at until it has moved.
+//! A box smaller than the spacing of the nodes, a pole between two of them, the corner of a crate on a soft block, the ridge of
+//! a roof: there the points that touch are inside faces and edges, and a row acts on their nodes by barycentric weights.
+//! Points of the target against faces and edges of the deformable against the target are all there is besides node against
+//! target. A target that shows the body nothing but a flat face, like a floor, costs one test of a box, and what is far from
+//! edges is not looked at until it has moved.
 
+mod convex;
 mod making;
 mod part;
 mod patch;
 #[cfg(feature = "serde-serialize")]
 mod saved;
+mod sharp;
 
-use super::distance::Solid;
+use super::form::Form;
 use super::site::Site;
 use super::target::{Frame, Target};
-use super::touches::Touches;
-use crate::math::DVec3;
 use crate::solve::rows::Rows;
-use making::{Making, Met};
-use part::Part;
+use convex::ConvexFeatures;
 #[cfg(feature = "serde-serialize")]
 pub use saved::Saved;
+use sharp::SharpFeatures;
 
-/// A convex part rounder than this many spacings needs no feature contacts: an edge dips into it by a fiftieth of its length.
-const ROUND: f64 = 6.0;
-
-/// Faces and edges of one body near the convex parts of one target.
+/// Faces and edges of one body near one target.
 #[derive(Clone, Debug)]
-pub struct Features {
-    parts: Vec<Part>,
-    points: Vec<DVec3>,
-    met: Vec<Met>,
-    on_faces: Touches,
-    on_edges: Touches,
+pub enum Features {
+    /// Near the convex parts of a solid.
+    Convex(ConvexFeatures),
+    /// Near the corners and edges of a surface, or of voxels.
+    Sharp(Box<SharpFeatures>),
 }
 
 impl Features {
-    /// The features of a solid that a body with this spacing \[m\] needs; `None` if all its parts are too round to need any.
-    pub fn of(solid: &Solid, spacing: f64) -> Option<Self> {
-        let mut parts = Vec::new();
-        solid.for_each_convex(&mut |offset, turn, part| {
-            let (lo, hi) = part.bounds();
-            if (hi - lo).is_finite() && part.edge_radius() < ROUND * spacing {
-                parts.push(Part::new(offset, turn, part.clone()));
+    /// The features of a form that a body with this spacing \[m\] needs; `None` if it needs none.
+    pub fn of(form: &Form, spacing: f64) -> Option<Self> {
+        match form {
+            Form::Solid(solid) if !solid.is_voxels() => {
+                ConvexFeatures::of(solid, spacing).map(Self::Convex)
             }
-        });
-        (!parts.is_empty()).then_some(Self {
-            parts,
-            points: Vec::new(),
-            met: Vec::new(),
-            on_faces: Touches::default(),
-            on_edges: Touches::default(),
-        })
+            _ => Some(Self::Sharp(Box::default())),
+        }
     }
 
-    /// Forgets all distances.
-    pub fn reset(&mut self) {
-        self.parts.iter_mut().for_each(Part::reset);
-    }
-
-    /// Forgets what touches.
+    /// Forgets what touches and all distances.
     pub fn forget(&mut self) {
-        self.on_faces.forget();
-        self.on_edges.forget();
+        match self {
+            Self::Convex(features) => features.forget(),
+            Self::Sharp(features) => features.forget(),
+        }
     }
 
     /// Remembers what touches, after the rows have been solved.
     pub fn remember(&mut self, rows: &Rows, touching: f64) {
-        self.on_faces.end(rows, touching);
-        self.on_edges.end(rows, touching);
+        match self {
+            Self::Convex(features) => features.remember(rows, touching),
+            Self::Sharp(features) => features.remember(rows, touching),
+        }
     }
 
     /// Adds the rows of faces and edges; `way` is how far body and collider have moved in all \[m\].
@@ -82,63 +68,9 @@ impl Features {
         site: &mut Site,
         way: f64,
     ) {
-        self.on_faces.begin();
-        self.on_edges.begin();
-        // Rows made points faster since the reach was found, at most as fast again.
-        let near = target.skin + 2.0 * site.reach.farthest;
-        let mut bounds = None;
-        for part in &mut self.parts {
-            let mut bounds = || *bounds.get_or_insert_with(|| site.side.bounds(collider));
-            part.awake(&mut bounds, way, near);
-        }
-        for (p, part) in (0..)
-            .zip(&mut self.parts)
-            .filter(|(_, part)| part.is_awake())
-        {
-            let mut making = Making {
-                target,
-                pair,
-                part: &part.convex,
-                frame: part.convex.frame(collider),
-                site,
-                touches: &mut self.on_faces,
-                near,
-            };
-            let count = making.site.side.topology.faces.len();
-            let (points, met) = (&mut self.points, &mut self.met);
-            let mut look = |making: &mut Making, met: &mut Vec<Met>| {
-                met.clear();
-                let reach = (making.near, near);
-                part.faces
-                    .visit(count, way, reach, |f| making.meet(p, f, points, met));
-                met.sort_unstable_by_key(|m| (m.point, m.face));
-            };
-            look(&mut making, met);
-            if making.misses_some(p, met) {
-                // A point that was known may have come deep under another face.
-                making.near = near.max(making.deepest_point());
-                look(&mut making, met);
-            }
-            for met in met.chunk_by(|a, b| a.point == b.point) {
-                making.point(p, met);
-            }
-        }
-        for (p, part) in (0..)
-            .zip(&mut self.parts)
-            .filter(|(_, part)| part.is_awake())
-        {
-            let mut making = Making {
-                target,
-                pair,
-                part: &part.convex,
-                frame: part.convex.frame(collider),
-                site,
-                touches: &mut self.on_edges,
-                near,
-            };
-            let count = making.site.side.topology.edges.len();
-            let reach = (near, near);
-            part.edges.visit(count, way, reach, |e| making.edge(p, e));
+        match self {
+            Self::Convex(features) => features.add_rows(target, pair, collider, site, way),
+            Self::Sharp(features) => features.add_rows(target, pair, collider, site, way),
         }
     }
 }

@@ -1,13 +1,24 @@
-//! Features as a snapshot has them: distances and touches, without the solid's geometry.
+//! Features as a snapshot has them: distances and touches, without the geometry of solids.
 
 use super::Features;
+use super::convex::ConvexFeatures;
 use super::part::Waking;
+use super::sharp::SharpFeatures;
 use crate::contact::touches::Touches;
 use crate::contact::watch::Watch;
 
 /// What is remembered of faces and edges near a target.
 #[derive(serde::Serialize, serde::Deserialize)]
-pub struct Saved {
+pub enum Saved {
+    /// Near the convex parts of a solid.
+    Convex(SavedParts),
+    /// Near what is sharp.
+    Sharp(Box<SharpFeatures>),
+}
+
+/// What is remembered near convex parts.
+#[derive(serde::Serialize, serde::Deserialize)]
+pub struct SavedParts {
     parts: Vec<(Watch, Watch, Waking)>,
     on_faces: Touches,
     on_edges: Touches,
@@ -16,8 +27,29 @@ pub struct Saved {
 impl Features {
     /// What is to be saved.
     pub fn save(&self) -> Saved {
+        match self {
+            Self::Convex(features) => Saved::Convex(features.save()),
+            Self::Sharp(features) => Saved::Sharp(features.clone()),
+        }
+    }
+
+    /// Takes what was saved of the same form; `None` if it can't have been the same.
+    pub fn restore(&mut self, saved: Saved) -> Option<()> {
+        match (self, saved) {
+            (Self::Convex(features), Saved::Convex(saved)) => features.restore(saved),
+            (Self::Sharp(features), Saved::Sharp(saved)) => {
+                *features = saved;
+                Some(())
+            }
+            _ => None,
+        }
+    }
+}
+
+impl ConvexFeatures {
+    fn save(&self) -> SavedParts {
         let parts = self.parts.iter();
-        Saved {
+        SavedParts {
             parts: parts
                 .map(|p| (p.faces.clone(), p.edges.clone(), p.state))
                 .collect(),
@@ -26,8 +58,7 @@ impl Features {
         }
     }
 
-    /// Takes what was saved of the same solid; `None` if it can't have been the same.
-    pub fn restore(&mut self, saved: Saved) -> Option<()> {
+    fn restore(&mut self, saved: SavedParts) -> Option<()> {
         if saved.parts.len() != self.parts.len() {
             return None;
         }

@@ -10,6 +10,10 @@ const FLAT: f64 = 1.0e-3;
 
 /// What an edge is to a face that comes near.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub enum EdgeKind {
     /// Sticks out on the front of its two facets.
     Ridge,
@@ -21,13 +25,22 @@ pub enum EdgeKind {
 
 /// An edge of a soup.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
 pub struct Edge {
+    /// What tells it from others of its soup, in whatever box it was found.
+    pub id: u32,
     /// Its ends \[m\], the lower one in order of x, y, z first.
     pub ends: [DVec3; 2],
     /// What it is.
     pub kind: EdgeKind,
-    /// Front normals of its facets, twice the same where it has only one; 0 for a segment.
+    /// Normals of its two facets, seen along an agreed front, first of the one to the left of the way from the lower end to
+    /// the higher; 0 for what is not there, and both 0 between more than two.
     pub normals: [DVec3; 2],
+    /// How far the narrower one of its facets reaches from it \[m\].
+    pub width: f32,
 }
 
 /// Buffers of a search for edges.
@@ -48,6 +61,61 @@ pub struct Edges {
     pub closed: bool,
 }
 
+impl Edge {
+    /// From its lower end to its higher \[m\].
+    pub fn along(&self) -> DVec3 {
+        self.ends[1] - self.ends[0]
+    }
+
+    /// The box around it \[m\].
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let [a, b] = self.ends;
+        (a.min(b), a.max(b))
+    }
+
+    fn meets(&self, lo: DVec3, hi: DVec3) -> bool {
+        let (own_lo, own_hi) = self.bounds();
+        meets(lo, hi, own_lo, own_hi)
+    }
+
+    /// The unit directions into its facets, square to it; 0 for none.
+    pub fn flanks(&self) -> [DVec3; 2] {
+        let along = self.along().normalize_or_zero();
+        [self.normals[0].cross(along), along.cross(self.normals[1])]
+    }
+
+    /// Sine of the angle by which its facets bend, 1 from a right angle on and where it is free.
+    pub fn bend(&self) -> f64 {
+        let [a, b] = self.normals;
+        if self.kind == EdgeKind::Free || a.dot(b) <= 0.0 {
+            1.0
+        } else {
+            a.cross(b).length()
+        }
+    }
+}
+
+impl EdgeSearch {
+    /// Puts into `out` the edges of some facets, all that meet a box, whose own boxes meet it from `lo` to `hi` \[m\].
+    pub fn find(
+        &mut self,
+        facets: impl Iterator<Item = (u32, Facet)>,
+        (lo, hi): (DVec3, DVec3),
+        wanted: impl Fn(&Edge) -> bool,
+        out: &mut Vec<Edge>,
+    ) {
+        // Both facets of an edge in the box are in the box.
+        self.halves.clear();
+        for (id, facet) in facets {
+            Half::of(id, &facet, &mut self.halves);
+        }
+        self.edges.clear();
+        classify(&mut self.halves, &mut self.edges, |_, _| {});
+        let found = self.edges.iter();
+        out.extend(found.filter(|edge| edge.meets(lo, hi) && wanted(edge)));
+    }
+}
+
 impl Soup {
     /// Puts into `out` the edges whose boxes meet the one from `lo` to `hi` \[m\], each once: borders and ridges; of a soup
     /// with two sides valleys too, which are ridges seen from behind. Edges between facets in one plane are left out.
@@ -59,56 +127,26 @@ impl Soup {
         out: &mut Vec<Edge>,
     ) {
         out.clear();
-        self.facets_in(lo, hi, &mut search.facets);
-        let wanted = |edge: &Edge| {
-            let (edge_lo, edge_hi) = (
-                edge.ends[0].min(edge.ends[1]),
-                edge.ends[0].max(edge.ends[1]),
-            );
-            (edge.kind != EdgeKind::Valley || !self.oriented) && meets(lo, hi, edge_lo, edge_hi)
-        };
+        let mut facets = std::mem::take(&mut search.facets);
+        self.facets_in(lo, hi, &mut facets);
+        let wanted = |edge: &Edge| edge.kind != EdgeKind::Valley || !self.oriented;
         if let Some(edges) = &self.edges {
             search.ids.clear();
-            for &facet in &search.facets {
+            for &facet in &facets {
                 let own = edges.of_facet.get(facet as usize);
                 search.ids.extend(own.into_iter().flatten());
             }
             search.ids.sort_unstable();
             search.ids.dedup();
-            let found = search
-                .ids
-                .iter()
-                .filter_map(|&i| edges.list.get(i as usize));
-            out.extend(found.filter(|edge| wanted(edge)));
-            return;
+            let ids = search.ids.iter();
+            let found = ids.filter_map(|&i| edges.list.get(i as usize));
+            out.extend(found.filter(|edge| edge.meets(lo, hi) && wanted(edge)));
+        } else {
+            let found = facets.iter();
+            let found = found.filter_map(|&id| Some((id, self.facet(id)?)));
+            search.find(found, (lo, hi), wanted, out);
         }
-        // Both facets of an edge in the box are in the box.
-        search.halves.clear();
-        for &id in &search.facets {
-            if let Some(facet) = self.facet(id) {
-                Half::of(id, &facet, &mut search.halves);
-            }
-        }
-        search.edges.clear();
-        classify(&mut search.halves, &mut search.edges, |_, _| {});
-        out.extend(search.edges.iter().filter(|edge| wanted(edge)));
-    }
-
-    /// Puts into `out` the ends of those edges that lie in the box, each once, in order of x, y, z.
-    pub fn convex_corners_in(
-        &self,
-        lo: DVec3,
-        hi: DVec3,
-        search: &mut EdgeSearch,
-        edges: &mut Vec<Edge>,
-        out: &mut Vec<DVec3>,
-    ) {
-        self.convex_edges_in(lo, hi, search, edges);
-        out.clear();
-        let ends = edges.iter().flat_map(|edge| edge.ends);
-        out.extend(ends.filter(|&p| meets(lo, hi, p, p)));
-        out.sort_unstable_by(|a, b| order(*a, *b));
-        out.dedup();
+        search.facets = facets;
     }
 }
 
@@ -178,6 +216,13 @@ impl Half {
             .then_with(|| order(self.ends[1], other.ends[1]))
             .then_with(|| self.facet.cmp(&other.facet))
     }
+
+    /// How far the facet reaches from the edge \[m\].
+    fn width(&self) -> f64 {
+        let [a, b] = self.ends;
+        let along = (b - a).normalize_or_zero();
+        along.cross(self.opposite - a).length()
+    }
 }
 
 /// By x, then y, then z.
@@ -208,45 +253,50 @@ fn classify(halves: &mut [Half], list: &mut Vec<Edge>, mut found: impl FnMut(&Ha
 /// The edge of some facets; `None` if they are two in one plane, or have no planes at all and stand between others.
 fn edge(group: &[Half]) -> Option<Edge> {
     let mut planes = group.iter().filter(|half| half.normal != DVec3::ZERO);
-    let ends = group[0].ends;
-    let free = |normals| {
+    let first = &group[0];
+    let edge = |kind, normals, width: f64| {
         Some(Edge {
-            ends,
-            kind: EdgeKind::Free,
+            // Every half has its own number, and they are sorted by it.
+            id: first.facet.wrapping_mul(3).wrapping_add(first.side.into()),
+            ends: first.ends,
+            kind,
             normals,
+            width: width as f32,
         })
     };
     let (Some(a), b, None) = (planes.next(), planes.next(), planes.next()) else {
-        return free([group[0].normal; 2]);
+        return edge(EdgeKind::Free, [DVec3::ZERO; 2], 0.0);
     };
     let Some(b) = b else {
-        return free([a.normal; 2]);
+        let normals = if a.forward {
+            [a.normal, DVec3::ZERO]
+        } else {
+            [DVec3::ZERO, a.normal]
+        };
+        return edge(EdgeKind::Free, normals, a.width());
     };
-    let normals = [a.normal, b.normal];
     // Seen along an agreed front.
-    let other = if a.forward == b.forward {
-        -b.normal
+    let agree = a.forward != b.forward;
+    let other = if agree { b.normal } else { -b.normal };
+    let normals = if a.forward {
+        [a.normal, other]
     } else {
-        b.normal
+        [other, a.normal]
     };
+    let width = a.width().min(b.width());
     if a.normal.cross(other).length() < FLAT {
         return if a.normal.dot(other) > 0.0 {
             None
         } else {
-            free(normals)
+            edge(EdgeKind::Free, normals, width)
         };
     }
-    if a.forward == b.forward {
-        return free(normals);
-    }
-    let kind = if a.normal.dot(b.opposite - ends[0]) < 0.0 {
+    let kind = if !agree {
+        EdgeKind::Free
+    } else if a.normal.dot(b.opposite - first.ends[0]) < 0.0 {
         EdgeKind::Ridge
     } else {
         EdgeKind::Valley
     };
-    Some(Edge {
-        ends,
-        kind,
-        normals,
-    })
+    edge(kind, normals, width)
 }

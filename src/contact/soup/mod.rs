@@ -27,6 +27,7 @@ pub use facet::{Facet, Patch};
 pub use gather::NodeFacets;
 pub use inside::Exit;
 pub use near::Near;
+pub use search::around;
 pub use touch::{Touch, Touches, touches};
 
 use crate::math::DVec3;

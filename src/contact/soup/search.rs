@@ -31,9 +31,13 @@ impl Soup {
 
 /// The leaves of parry's tree that meet a box, sorted.
 fn leaves(bvh: &Bvh, lo: DVec3, hi: DVec3, out: &mut Vec<u32>) {
-    let query = Aabb::new(outward(lo, f32::next_down), outward(hi, f32::next_up));
-    out.extend(bvh.intersect_aabb(&query));
+    out.extend(bvh.intersect_aabb(&around(lo, hi)));
     out.sort_unstable();
+}
+
+/// A box of parry's that is not smaller than one in `f64`.
+pub fn around(lo: DVec3, hi: DVec3) -> Aabb {
+    Aabb::new(outward(lo, f32::next_down), outward(hi, f32::next_up))
 }
 
 /// A corner of a box in `f32`, moved outwards by more than the rounding.

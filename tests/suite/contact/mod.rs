@@ -5,6 +5,7 @@ mod changes;
 mod embed;
 mod fast;
 mod features;
+mod ridges;
 mod shapes;
 mod slides;
 mod surface;

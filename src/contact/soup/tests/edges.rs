@@ -24,22 +24,27 @@ fn a_box_has_twelve_ridges_and_eight_corners_however_it_is_cut() {
         assert!(edges.iter().all(|e| e.kind == EdgeKind::Ridge));
         let length: f64 = edges.iter().map(|e| e.ends[0].distance(e.ends[1])).sum();
         assert!((length - 8.0 * (half.x + half.y + half.z)).abs() < 1e-6);
+        for edge in &edges {
+            // Into the box, along its sides.
+            let inwards = -0.5 * (edge.ends[0] + edge.ends[1]);
+            let [first, second] = edge.flanks();
+            assert!(first.dot(inwards) > 0.0 && second.dot(inwards) > 0.0);
+            let across = edge
+                .normals
+                .map(|n| n.dot(first).abs().min(n.dot(second).abs()));
+            assert!(across.into_iter().all(|x| x < 1e-6) && edge.bend() > 0.999);
+            assert!((0.1..0.5).contains(&edge.width), "{}", edge.width);
+        }
         assert!(
             edges
                 .iter()
                 .all(|e| e.normals[0].dot(e.normals[1]).abs() < 1e-6)
         );
-        let (mut search, mut list, mut corners) = (EdgeSearch::default(), Vec::new(), Vec::new());
+        let (mut search, mut list) = (EdgeSearch::default(), Vec::new());
         let corner = DVec3::splat(0.01);
-        soup.convex_corners_in(
-            half - corner,
-            half + corner,
-            &mut search,
-            &mut list,
-            &mut corners,
-        );
-        assert_eq!(corners, [half]);
+        soup.convex_edges_in(half - corner, half + corner, &mut search, &mut list);
         assert_eq!(list.len(), 3);
+        assert!(list.iter().all(|e| e.ends.contains(&half)));
     }
 }
 
@@ -78,7 +83,7 @@ fn a_field_has_the_edges_of_the_same_mesh() {
     let mesh = soup(&SharedShape::trimesh(vertices, triangles).unwrap());
     let field = soup(&SharedShape::new(field));
     let (of_mesh, of_field) = (all_edges(&mesh), all_edges(&field));
-    let key = |e: &Edge| (e.ends, e.kind);
+    let key = |e: &Edge| (e.ends, e.kind, e.normals, e.width);
     assert_eq!(
         of_mesh.iter().map(key).collect::<Vec<_>>(),
         of_field.iter().map(key).collect::<Vec<_>>()

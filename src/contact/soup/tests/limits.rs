@@ -45,14 +45,9 @@ fn degenerate_soups_and_points_are_harmless() {
     let mut answers = 0;
     for shape in &shapes {
         let soup = soup(shape);
-        let (mut search, mut edges, mut corners) = (EdgeSearch::default(), Vec::new(), Vec::new());
-        soup.convex_corners_in(
-            DVec3::splat(-9.0),
-            DVec3::splat(9.0),
-            &mut search,
-            &mut edges,
-            &mut corners,
-        );
+        let (mut search, mut edges) = (EdgeSearch::default(), Vec::new());
+        let (lo, hi) = (DVec3::splat(-9.0), DVec3::splat(9.0));
+        soup.convex_edges_in(lo, hi, &mut search, &mut edges);
         let mut list = NodeFacets::default();
         for p in points {
             assert!(p.is_finite() || soup.inside(p).is_none());

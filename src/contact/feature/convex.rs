@@ -1,0 +1,244 @@
+//! Faces and edges of one body against the convex parts of a solid.
+
+use super::making::{Making, Met};
+use super::part::{Convex, Part};
+use super::patch::Patch;
+use crate::contact::distance::{Crossing, Solid};
+use crate::contact::site::Site;
+use crate::contact::target::{Frame, Target};
+use crate::contact::touches::Touches;
+use crate::math::DVec3;
+use crate::solve::rows::Rows;
+
+/// A convex part rounder than this many spacings needs no feature contacts: an edge dips into it by a fiftieth of its length.
+const ROUND: f64 = 6.0;
+
+/// Faces and edges of one body near the convex parts of one target.
+#[derive(Clone, Debug)]
+pub struct ConvexFeatures {
+    pub(super) parts: Vec<Part>,
+    points: Vec<DVec3>,
+    met: Vec<Met>,
+    pub(super) on_faces: Touches,
+    pub(super) on_edges: Touches,
+}
+
+impl ConvexFeatures {
+    /// The features of a solid that a body with this spacing \[m\] needs; `None` if all its parts are too round to need any.
+    pub fn of(solid: &Solid, spacing: f64) -> Option<Self> {
+        let mut parts = Vec::new();
+        solid.for_each_convex(&mut |offset, turn, part| {
+            let (lo, hi) = part.bounds();
+            if (hi - lo).is_finite() && part.edge_radius() < ROUND * spacing {
+                parts.push(Part::new(offset, turn, part.clone()));
+            }
+        });
+        (!parts.is_empty()).then_some(Self {
+            parts,
+            points: Vec::new(),
+            met: Vec::new(),
+            on_faces: Touches::default(),
+            on_edges: Touches::default(),
+        })
+    }
+
+    /// Forgets what touches and all distances.
+    pub fn forget(&mut self) {
+        self.parts.iter_mut().for_each(Part::reset);
+        self.on_faces.forget();
+        self.on_edges.forget();
+    }
+
+    /// Remembers what touches, after the rows have been solved.
+    pub fn remember(&mut self, rows: &Rows, touching: f64) {
+        self.on_faces.end(rows, touching);
+        self.on_edges.end(rows, touching);
+    }
+
+    /// Adds the rows of faces and edges; `way` is how far body and collider have moved in all \[m\].
+    pub fn add_rows(
+        &mut self,
+        target: &Target,
+        pair: u32,
+        collider: &Frame,
+        site: &mut Site,
+        way: f64,
+    ) {
+        self.on_faces.begin();
+        self.on_edges.begin();
+        // Rows made points faster since the reach was found, at most as fast again.
+        let near = target.skin + 2.0 * site.reach.farthest;
+        let mut bounds = None;
+        for part in &mut self.parts {
+            let mut bounds = || *bounds.get_or_insert_with(|| site.side.bounds(collider));
+            part.awake(&mut bounds, way, near);
+        }
+        for (p, part) in (0..)
+            .zip(&mut self.parts)
+            .filter(|(_, part)| part.is_awake())
+        {
+            let convex = &part.convex;
+            let mut making = Making {
+                target,
+                pair,
+                frame: convex.frame(collider),
+                skin: target.skin,
+                site,
+                touches: &mut self.on_faces,
+                near,
+            };
+            let count = making.site.side.topology.faces.len();
+            let (points, met) = (&mut self.points, &mut self.met);
+            let mut look = |making: &mut Making, met: &mut Vec<Met>| {
+                met.clear();
+                let reach = (making.near, near);
+                part.faces.visit(count, way, reach, |f| {
+                    making.meet(convex, (p, f), points, met)
+                });
+                met.sort_unstable_by_key(|m| (m.point, m.face));
+            };
+            look(&mut making, met);
+            if making.misses_some(p, met) {
+                // A point that was known may have come deep under another face.
+                making.near = near.max(making.deepest_point());
+                look(&mut making, met);
+            }
+            for met in met.chunk_by(|a, b| a.point == b.point) {
+                making.point(p, met);
+            }
+        }
+        for (p, part) in (0..)
+            .zip(&mut self.parts)
+            .filter(|(_, part)| part.is_awake())
+        {
+            let convex = &part.convex;
+            let mut making = Making {
+                target,
+                pair,
+                frame: convex.frame(collider),
+                skin: target.skin,
+                site,
+                touches: &mut self.on_edges,
+                near,
+            };
+            let count = making.site.side.topology.edges.len();
+            let reach = (near, near);
+            part.edges
+                .visit(count, way, reach, |e| making.edge(convex, [p, e]));
+        }
+    }
+}
+
+impl Making<'_, '_> {
+    /// Collects the points of the part that meet a face. Of a closed surface the outside is that of its winding; of an open
+    /// one the side on which the middle of the part is. Returns how far the face is from any, or less \[m\].
+    fn meet(
+        &self,
+        part: &Convex,
+        (p, f): (u32, u32),
+        points: &mut Vec<DVec3>,
+        met: &mut Vec<Met>,
+    ) -> f64 {
+        let side = self.site.side;
+        let nodes = side.topology.faces[f as usize].nodes();
+        let patch = Patch::new(self.corners(nodes));
+        let (lo, hi) = bounds(patch.corners().iter().copied());
+        let apart = part.solid.points_apart(lo, hi);
+        if apart > self.near && !self.touches.knows_last(p, f) {
+            return apart;
+        }
+        let (middle, radius) = patch.ball();
+        let away = part.solid.signed_distance(middle).0 - radius;
+        if away > self.skin + self.site.reach.farthest {
+            return apart.max(away);
+        }
+        let Some(mut n) = patch.normal() else {
+            return apart;
+        };
+        if (part.centre - patch.corners()[0]).dot(n) < 0.0 {
+            if side.topology.closed {
+                return apart;
+            }
+            n = -n;
+        }
+        let deepest = self.deepest_point();
+        let most = radius + self.near.max(deepest);
+        let before = met.len();
+        points.clear();
+        part.solid.feature_points(n, points);
+        for (i, &point) in (0..).zip(points.iter()) {
+            // Bounds first: most points are far from most faces.
+            if point.distance_squared(middle) > most * most {
+                continue;
+            }
+            let height = (point - patch.corners()[0]).dot(n);
+            if height > self.skin + self.site.reach.farthest + side.topology.spacing {
+                continue;
+            }
+            let Some(foot) = patch.foot(point) else {
+                continue;
+            };
+            let outward = foot.normal * 1.0_f64.copysign(foot.normal.dot(n));
+            met.extend(self.over((i, point), (f, &patch), (&foot, outward), deepest));
+        }
+        // What touches may be deeper next time.
+        if met.len() > before { 0.0 } else { apart }
+    }
+
+    /// An edge against the part: where it crosses the part's edges, and where it comes nearest to a round side.
+    /// Returns how far it is from any of them, or less \[m\].
+    fn edge(&mut self, part: &Convex, [p, e]: [u32; 2]) -> f64 {
+        let nodes = self.site.side.topology.edges[e as usize];
+        let corners = self.ends(&nodes);
+        let [a, b] = corners;
+        let apart = if part.solid.has_rim() {
+            f64::NEG_INFINITY
+        } else {
+            part.solid.edges_apart(a.min(b), a.max(b))
+        };
+        let known = self.touches.knows([p, e]);
+        if apart > self.near && !known {
+            return apart;
+        }
+        let away = part.solid.signed_distance(0.5 * (a + b)).0 - 0.5 * a.distance(b);
+        let apart = apart.max(away);
+        if away > self.skin + self.site.reach.farthest {
+            return apart;
+        }
+        let deepest = self.skin + 0.5 * part.solid.width();
+        let most = if known {
+            self.near.max(deepest)
+        } else {
+            self.near
+        };
+        let before = self.site.rows.contacts.len();
+        let mut cross = |c: Crossing| {
+            let at = (c.t, c.normal, c.distance);
+            self.across([p, e, c.edge], (&nodes, &corners), at, deepest);
+        };
+        part.solid.for_each_crossing(a, b, most, &mut cross);
+        if part.solid.has_round_side() {
+            let (t, distance, normal) = part.solid.nearest_on_segment(a, b);
+            if t > 0.0 && t < 1.0 {
+                cross(Crossing {
+                    edge: u32::MAX,
+                    t,
+                    normal,
+                    distance,
+                });
+            }
+        }
+        // What touches may be deeper next time.
+        if self.site.rows.contacts.len() > before {
+            0.0
+        } else {
+            apart
+        }
+    }
+}
+
+/// The box around some points.
+pub(super) fn bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
+    let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    points.fold(start, |(lo, hi), p| (lo.min(p), hi.max(p)))
+}

@@ -1,0 +1,409 @@
+//! Faces and edges of one body against the corners and edges of a surface, or of voxels.
+//!
+//! A surface may have any number of edges, so only those near the body are known: lists of pairs, each of a face and a corner
+//! or of two edges, last until something has moved by their margin. Flat edges are not there at all, and gentle ones are
+//! left to the nodes.
+
+use super::convex::bounds;
+use super::making::{Making, Met};
+use super::patch::Patch;
+use crate::contact::encounter::closest::{between_segments, segments_apart};
+use crate::contact::form::Form;
+use crate::contact::site::{Side, Site};
+use crate::contact::soup::{Edge, EdgeKind, EdgeSearch, around};
+use crate::contact::target::{Frame, Target};
+use crate::contact::touches::Touches;
+use crate::contact::watch::Watch;
+use crate::math::DVec3;
+use crate::solve::rows::Rows;
+use rapier3d::parry::partitioning::{Bvh, BvhBuildStrategy};
+
+/// The bend of two wide facets into which a face between nodes dips by a fiftieth of its length, as a sine.
+const GENTLE: f64 = 0.08;
+
+/// How far, as a sine, an edge or facet beside the point that touches may lean towards the body: a face rocks a little.
+const LEAN: f64 = 0.1;
+
+/// Sine below which a direction lies in a plane.
+const FLAT: f64 = 1e-3;
+
+/// How many times the present reach lists are made for.
+const AHEAD: f64 = 16.0;
+
+/// A point where edges end.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
+struct Corner {
+    /// What tells it from others of its surface.
+    id: u32,
+    place: DVec3,
+    /// Which directions of the cone are its.
+    cone: [u32; 2],
+}
+
+/// Faces and edges of one body near what is sharp of one target.
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
+pub struct SharpFeatures {
+    /// The way up to which the lists hold all that they must \[m\], once they have been made.
+    until: Option<f64>,
+    /// By id.
+    corners: Vec<Corner>,
+    /// Unit directions of edges and facets away from corners.
+    cone: Vec<DVec3>,
+    /// By id.
+    edges: Vec<Edge>,
+    /// Index of a corner and a face, in ascending order.
+    points: Vec<[u32; 2]>,
+    /// An edge of the body and the index of one of the target, in ascending order.
+    crossings: Vec<[u32; 2]>,
+    points_watch: Watch,
+    crossings_watch: Watch,
+    on_faces: Touches,
+    on_edges: Touches,
+    #[cfg_attr(feature = "serde-serialize", serde(skip))]
+    buffers: Buffers,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Buffers {
+    places: Vec<DVec3>,
+    search: EdgeSearch,
+    ends: Vec<End>,
+    met: Vec<Met>,
+}
+
+/// The end of an edge.
+#[derive(Clone, Copy, Debug)]
+struct End {
+    place: DVec3,
+    id: u32,
+    edge: Edge,
+    /// Along the edge.
+    away: DVec3,
+}
+
+impl End {
+    /// Appends the directions along the edge and into its facets from where it ends together with others. Of a facet that
+    /// is narrower there than a right angle its two edges say all.
+    fn directions(&self, all: &[Self], out: &mut Vec<DVec3>) {
+        out.push(self.away);
+        for (flank, normal) in self.edge.flanks().into_iter().zip(self.edge.normals) {
+            let narrows = |other: &Self| {
+                let in_plane = other.away.dot(normal).abs() < FLAT;
+                in_plane && other.away.dot(flank) > 0.0 && other.away.dot(self.away) > 0.0
+            };
+            if flank != DVec3::ZERO && !all.iter().any(narrows) {
+                out.push(flank);
+            }
+        }
+    }
+}
+
+impl SharpFeatures {
+    /// Forgets what touches, and the lists.
+    pub fn forget(&mut self) {
+        self.until = None;
+        self.on_faces.forget();
+        self.on_edges.forget();
+    }
+
+    /// Remembers what touches, after the rows have been solved.
+    pub fn remember(&mut self, rows: &Rows, touching: f64) {
+        self.on_faces.end(rows, touching);
+        self.on_edges.end(rows, touching);
+    }
+
+    /// Adds the rows of faces and edges; `way` is how far body and collider have moved in all \[m\].
+    pub fn add_rows(
+        &mut self,
+        target: &Target,
+        pair: u32,
+        collider: &Frame,
+        site: &mut Site,
+        way: f64,
+    ) {
+        self.on_faces.begin();
+        self.on_edges.begin();
+        let radius = match &target.form {
+            Form::Soup(soup) => soup.radius(),
+            Form::Solid(_) => 0.0,
+        };
+        let skin = target.skin + radius;
+        // Rows made points faster since the reach was found, at most as fast again.
+        let near = skin + 2.0 * site.reach.farthest;
+        if self.until.is_none_or(|until| way + near > until) {
+            let deepest = skin + 0.5 * site.side.topology.spacing;
+            let grow = (AHEAD * near).max(deepest);
+            self.gather(&target.form, &site.side, collider, grow);
+            self.until = Some(way + grow);
+        }
+        let mut making = Making {
+            target,
+            pair,
+            frame: *collider,
+            skin,
+            site,
+            touches: &mut self.on_faces,
+            near,
+        };
+        let met = &mut self.buffers.met;
+        met.clear();
+        let (corners, cone, points) = (&self.corners, &self.cone, &self.points);
+        let meet = |making: &Making, met: &mut Vec<Met>, [c, f]: [u32; 2]| {
+            let corner = &corners[c as usize];
+            let [first, end] = corner.cone;
+            let (apart, found) = making.meet_corner(corner, &cone[first as usize..end as usize], f);
+            met.extend(found);
+            if found.is_some() { 0.0 } else { apart }
+        };
+        let look = |k: u32| meet(&making, met, points[k as usize]);
+        self.points_watch
+            .visit(points.len(), way, (near, near), look);
+        if making.misses_some(0, met) {
+            // A point that was known may have come deep under another face.
+            met.clear();
+            making.near = near.max(making.deepest_point());
+            for &pair in points {
+                meet(&making, met, pair);
+            }
+        }
+        for met in met.chunk_by(|a, b| a.point == b.point) {
+            making.point(0, met);
+        }
+        making.near = near;
+        making.touches = &mut self.on_edges;
+        let (edges, crossings) = (&self.edges, &self.crossings);
+        self.crossings_watch
+            .visit(crossings.len(), way, (near, near), |k| {
+                let [e, other] = crossings[k as usize];
+                making.meet_edge(e, &edges[other as usize])
+            });
+    }
+
+    /// Lists what is within `grow` m of the body.
+    fn gather(&mut self, form: &Form, side: &Side, frame: &Frame, grow: f64) {
+        self.edges.clear();
+        self.points.clear();
+        self.crossings.clear();
+        self.points_watch.reset();
+        self.crossings_watch.reset();
+        let Buffers { places, search, .. } = &mut self.buffers;
+        places.clear();
+        let nodes = 0..side.state.particles.len() as u32;
+        places.extend(nodes.map(|i| frame.to_local(side.state, i)));
+        let all = grown(places.iter().copied(), grow);
+        edges_in(form, all, search, &mut self.edges);
+        self.edges.sort_unstable_by_key(|e| e.id);
+        let spacing = side.topology.spacing;
+        self.keep_corners(all, spacing);
+        self.edges
+            .retain(|e| !is_gentle(e.bend(), e.width.into(), spacing));
+        let places = &self.buffers.places;
+        let around_nodes = |nodes: &[u32]| {
+            let places = nodes.iter().map(|&i| places[i as usize]);
+            grown(places, grow)
+        };
+        let corners = self.corners.iter().map(|c| (c.place, c.place));
+        let faces = side.topology.faces.iter();
+        pairs(
+            corners,
+            faces.map(|f| around_nodes(f.nodes())),
+            |corner, face| {
+                self.points.push([corner, face]);
+            },
+        );
+        let edges = self.edges.iter().map(Edge::bounds);
+        let own = side.topology.edges.iter();
+        pairs(edges, own.map(|e| around_nodes(e)), |edge, own| {
+            self.crossings.push([own, edge]);
+        });
+        self.points.sort_unstable();
+        self.crossings.sort_unstable();
+    }
+
+    /// Takes the corners in a box from the ends of edges.
+    fn keep_corners(&mut self, (lo, hi): (DVec3, DVec3), spacing: f64) {
+        let ends = &mut self.buffers.ends;
+        ends.clear();
+        for edge in &self.edges {
+            let along = edge.along().normalize_or_zero();
+            for (k, away) in [(0, along), (1, -along)] {
+                let place = edge.ends[k];
+                if place.cmpge(lo).all() && place.cmple(hi).all() {
+                    ends.push(End {
+                        place,
+                        id: edge.id.wrapping_mul(2).wrapping_add(k as u32),
+                        edge: *edge,
+                        away,
+                    });
+                }
+            }
+        }
+        let place = |end: &End| end.place.to_array().map(f64::to_bits);
+        ends.sort_unstable_by_key(|end| (place(end), end.id));
+        self.corners.clear();
+        self.cone.clear();
+        for ends in ends.chunk_by(|a, b| a.place == b.place) {
+            if is_gentle_point(ends, spacing) {
+                continue;
+            }
+            let first = self.cone.len() as u32;
+            ends.iter()
+                .for_each(|end| end.directions(ends, &mut self.cone));
+            self.corners.push(Corner {
+                id: ends[0].id,
+                place: ends[0].place,
+                cone: [first, self.cone.len() as u32],
+            });
+        }
+        self.corners.sort_unstable_by_key(|c| c.id);
+    }
+}
+
+/// The box around some points, grown \[m\].
+fn grown(points: impl Iterator<Item = DVec3>, grow: f64) -> (DVec3, DVec3) {
+    let (lo, hi) = bounds(points);
+    (lo - grow, hi + grow)
+}
+
+/// Calls `found` for the indices of all boxes of two kinds that meet \[m\].
+fn pairs(
+    small: impl Iterator<Item = (DVec3, DVec3)>,
+    large: impl Iterator<Item = (DVec3, DVec3)>,
+    mut found: impl FnMut(u32, u32),
+) {
+    let boxes = small.map(|(lo, hi)| around(lo, hi)).enumerate();
+    let tree = Bvh::from_iter(BvhBuildStrategy::Binned, boxes);
+    for (j, (lo, hi)) in (0..).zip(large) {
+        tree.intersect_aabb(&around(lo, hi))
+            .for_each(|i| found(i, j));
+    }
+}
+
+/// Puts into `out` the edges of a form that stand out and meet a box.
+fn edges_in(form: &Form, (lo, hi): (DVec3, DVec3), search: &mut EdgeSearch, out: &mut Vec<Edge>) {
+    match form {
+        Form::Soup(soup) => soup.convex_edges_in(lo, hi, search, out),
+        Form::Solid(solid) => solid.voxel_edges_in(lo, hi, search, out),
+    }
+}
+
+/// Whether a bend, given by its sine, between facets of a width \[m\] is as good as flat to faces of a size \[m\]: bends of
+/// narrow facets follow each other and add up.
+fn is_gentle(bend: f64, width: f64, spacing: f64) -> bool {
+    bend < GENTLE * (2.0 * width / spacing).min(1.0)
+}
+
+/// Whether all facets at a point are as good as one plane.
+fn is_gentle_point(ends: &[End], spacing: f64) -> bool {
+    let width = |e: &End| f64::from(e.edge.width);
+    let width = ends.iter().map(width).fold(f64::INFINITY, f64::min);
+    let first = ends[0].edge.normals[0];
+    let bend = |end: &End| {
+        let normals = end.edge.normals.iter();
+        let from_first = normals.map(|n| {
+            if n.dot(first) > 0.0 {
+                n.cross(first).length()
+            } else {
+                1.0
+            }
+        });
+        from_first.fold(0.0, f64::max)
+    };
+    ends.iter()
+        .all(|end| end.edge.kind != EdgeKind::Free && is_gentle(0.5 * bend(end), width, spacing))
+}
+
+/// Whether a corner or edge can push along a direction: nothing of its surface goes that way.
+fn can_push(cone: &[DVec3], direction: DVec3) -> bool {
+    cone.iter().all(|c| c.dot(direction) <= LEAN)
+}
+
+impl Making<'_, '_> {
+    /// How far a corner is from a face, or less \[m\], and how it meets it. Of a closed surface the outside is that of its
+    /// winding; of an open one where the corner is, or was when it touched.
+    fn meet_corner(&self, corner: &Corner, cone: &[DVec3], f: u32) -> (f64, Option<Met>) {
+        let topology = self.site.side.topology;
+        let patch = Patch::new(self.corners(topology.faces[f as usize].nodes()));
+        let (lo, hi) = bounds(patch.corners().iter().copied());
+        let p = corner.place;
+        let apart = (lo - p).max(p - hi).max_element();
+        if apart > self.near {
+            return (apart, None);
+        }
+        let Some(foot) = patch.foot(p) else {
+            return (apart, None);
+        };
+        let outward = if topology.closed {
+            foot.normal
+        } else {
+            let last = self.touches.normal_like([0, corner.id]);
+            let side = last.map_or(p - foot.point, |last| -last);
+            foot.normal * 1.0_f64.copysign(foot.normal.dot(side))
+        };
+        if !can_push(cone, -outward) {
+            return (apart, None);
+        }
+        let met = self.over(
+            (corner.id, p),
+            (f, &patch),
+            (&foot, outward),
+            self.deepest_point(),
+        );
+        (apart, met)
+    }
+
+    /// Adds the row of two edges that cross, and returns how far they are from each other, or less \[m\].
+    fn meet_edge(&mut self, e: u32, edge: &Edge) -> f64 {
+        let nodes = self.site.side.topology.edges[e as usize];
+        let corners = self.ends(&nodes);
+        let across = (corners[1] - corners[0]).cross(edge.along());
+        let across = across.normalize_or_zero();
+        let apart =
+            segments_apart(corners, edge.ends).max((corners[0] - edge.ends[0]).dot(across).abs());
+        let key = [e, edge.id, 0];
+        let last = self.touches.normal(key);
+        if apart > self.near && last.is_none() {
+            return apart;
+        }
+        let Some([t, s]) = between_segments(corners, edge.ends) else {
+            return apart;
+        };
+        let way = corners[0].lerp(corners[1], t) - edge.ends[0].lerp(edge.ends[1], s);
+        let body = self.flanks(e, corners);
+        let side = match &body {
+            Some((outward, _)) => -*outward,
+            None => last.unwrap_or(way),
+        };
+        let normal = across * 1.0_f64.copysign(across.dot(side));
+        let fits = body.is_none_or(|(_, flanks)| can_push(&flanks, -normal));
+        if fits && can_push(&edge.flanks(), normal) {
+            let before = self.site.rows.contacts.len();
+            let at = (t, normal, way.dot(normal));
+            self.across(key, (&nodes, &corners), at, self.deepest_point());
+            if self.site.rows.contacts.len() > before {
+                // What touches may be deeper next time.
+                return 0.0;
+            }
+        }
+        apart
+    }
+
+    /// The outward direction at an edge of a closed body, and the unit directions into its faces, square to it.
+    fn flanks(&self, e: u32, [a, b]: [DVec3; 2]) -> Option<(DVec3, [DVec3; 2])> {
+        let wings = self.site.side.topology.wings.get(e as usize)?;
+        let along = (b - a).normalize_or_zero();
+        let [left, right] = self.ends(wings).map(|p| {
+            let into = p - a;
+            (into - along * into.dot(along)).normalize_or_zero()
+        });
+        Some((along.cross(left - right), [left, right]))
+    }
+}

@@ -1,0 +1,163 @@
+//! Corners and edges of meshes, height fields, voxels and lines between the nodes of a body.
+
+use crumple::prelude::*;
+use crumple::rapier3d::parry::utils::Array2;
+use crumple::rapier3d::prelude::*;
+
+/// How high the obstacles stand \[m\], and where \[m\].
+const PEAK: Vector = Vector::new(0.05, 0.15, 0.03);
+
+/// A needle of four faces.
+fn pyramid(flags: TriMeshFlags) -> ColliderBuilder {
+    let v = Vector::new;
+    let half = 0.04;
+    let corners = vec![
+        v(-half, -PEAK.y, -half),
+        v(half, -PEAK.y, -half),
+        v(half, -PEAK.y, half),
+        v(-half, -PEAK.y, half),
+        v(0.0, 0.0, 0.0),
+    ];
+    let faces = vec![
+        [0, 4, 1],
+        [1, 4, 2],
+        [2, 4, 3],
+        [3, 4, 0],
+        [0, 1, 2],
+        [0, 2, 3],
+    ];
+    ColliderBuilder::trimesh_with_flags(corners, faces, flags).unwrap()
+}
+
+/// A terrain of 5 cm cells with one vertex that stands out.
+fn peak_of_a_field() -> ColliderBuilder {
+    let n = 41;
+    let mut heights = Array2::repeat(n, n, -PEAK.y);
+    heights[(n / 2, n / 2)] = 0.0;
+    ColliderBuilder::heightfield(heights, Vector::new(2.0, 1.0, 2.0))
+}
+
+fn column_of_voxels() -> ColliderBuilder {
+    let cells: Vec<IVector> = (-5..0).map(|y| IVector::new(0, y, 0)).collect();
+    ColliderBuilder::voxels(Vector::splat(0.03), &cells)
+        .translation(Vector::new(-0.015, 0.0, -0.015))
+}
+
+/// A tent of wire.
+fn wire() -> ColliderBuilder {
+    let v = Vector::new;
+    let corners = vec![
+        v(-0.04, -PEAK.y, 0.01),
+        Vector::ZERO,
+        v(0.04, -PEAK.y, -0.01),
+    ];
+    ColliderBuilder::polyline(corners, None)
+}
+
+/// A roof whose ridge is shorter than a cell.
+fn roof() -> ColliderBuilder {
+    let v = Vector::new;
+    let (half, low) = (0.05, -PEAK.y);
+    let corners = vec![
+        v(-0.03, 0.0, 0.0),
+        v(0.03, 0.0, 0.0),
+        v(-half, low, -half),
+        v(half, low, -half),
+        v(half, low, half),
+        v(-half, low, half),
+    ];
+    let faces = vec![
+        [0, 1, 3],
+        [0, 3, 2],
+        [1, 0, 5],
+        [1, 5, 4],
+        [0, 2, 5],
+        [1, 4, 3],
+    ];
+    ColliderBuilder::trimesh(corners, faces).unwrap()
+}
+
+fn ground(world: &mut PhysicsWorld) {
+    world.insert(
+        RigidBodyBuilder::fixed().translation(Vector::new(0.0, -0.5, 0.0)),
+        ColliderBuilder::cuboid(5.0, 0.5, 5.0),
+    );
+}
+
+/// A free sheet of 25 cm cells.
+fn tarpaulin() -> DeformableBuilder {
+    DeformableBuilder::new(sheet(1.0, 1.0, 4, 4, 1e-3).unwrap())
+        .material(Material::elastic(5.0e6, 1000.0).viscosity(2.0e4))
+}
+
+/// A block of 25 cm cells; its lower side has a node every 25 cm.
+fn cushion() -> DeformableBuilder {
+    DeformableBuilder::new(lattice(Vector::new(1.0, 0.25, 1.0), 0.25))
+        .material(Material::elastic(2.0e5, 100.0).viscosity(1.0e3))
+}
+
+/// How far the point `PEAK` is inside a body, or above a sheet \[m\].
+fn through(deformables: &DeformableWorld) -> f64 {
+    let filter = DeformableFilter::new;
+    let nearest = deformables.project_point(PEAK, 2.0, false, filter());
+    if let Some(inside) = nearest.filter(|n| n.is_inside) {
+        return inside.distance.into();
+    }
+    let down = Ray::new(PEAK, Vector::NEG_Y);
+    let below = deformables.cast_ray(&down, 2.0, false, filter());
+    below.map_or(0.0, |hit| hit.time_of_impact.into())
+}
+
+/// Lets a body fall on a fixed obstacle whose highest point is `PEAK`. Returns how far that comes through at the worst \[m\].
+fn fall(soft: DeformableBuilder, obstacle: ColliderBuilder, height: f32) -> f64 {
+    let mut world = PhysicsWorld::default();
+    ground(&mut world);
+    world.insert(RigidBodyBuilder::fixed().translation(PEAK), obstacle);
+    let mut deformables = DeformableWorld::default();
+    deformables
+        .insert(soft.translation(Vector::Y * (PEAK.y + height)))
+        .unwrap();
+    let mut worst = 0.0_f64;
+    for _ in 0..240 {
+        deformables.step(&mut world);
+        worst = worst.max(through(&deformables));
+    }
+    worst
+}
+
+#[test]
+fn nothing_sharp_stands_through_a_coarse_body() {
+    for (name, obstacle) in [
+        ("mesh", pyramid(TriMeshFlags::empty())),
+        ("oriented mesh", pyramid(TriMeshFlags::ORIENTED)),
+        ("mended mesh", pyramid(TriMeshFlags::FIX_INTERNAL_EDGES)),
+        ("field", peak_of_a_field()),
+        ("voxels", column_of_voxels()),
+        ("wire", wire()),
+        ("roof", roof()),
+    ] {
+        // A face of four nodes is a curved patch in contact and two triangles in queries: over a needle, on cells of 25 cm,
+        // a centimetre lies between them. Of 15.
+        let worst = fall(tarpaulin(), obstacle.clone(), 0.3);
+        assert!(worst < 0.015, "{name} stands {worst} m through a sheet");
+        let worst = fall(cushion(), obstacle, 0.125 + 0.2);
+        assert!(worst < 1e-3, "{name} stands {worst} m in a block");
+    }
+}
+
+#[test]
+fn a_needle_of_a_mesh_does_what_its_hull_does() {
+    let v = Vector::new;
+    let half = 0.04;
+    let corners = [
+        v(-half, -PEAK.y, -half),
+        v(half, -PEAK.y, -half),
+        v(half, -PEAK.y, half),
+        v(-half, -PEAK.y, half),
+        Vector::ZERO,
+    ];
+    let hull = ColliderBuilder::convex_hull(&corners).unwrap();
+    let mesh = pyramid(TriMeshFlags::empty());
+    let through = [hull, mesh].map(|obstacle| fall(tarpaulin(), obstacle, 0.3));
+    assert!((through[0] - through[1]).abs() < 1e-4, "{through:?}");
+}
