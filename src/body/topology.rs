@@ -4,6 +4,9 @@ use super::Blueprint;
 use crate::math::{DVec3, wide};
 use std::collections::BTreeMap;
 
+/// No node.
+pub const NONE: u32 = u32::MAX;
+
 /// A triangle or a quad, counter-clockwise seen from outside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Face {
@@ -31,7 +34,8 @@ pub struct Topology {
     /// Each edge of a face once, but for the diagonals of flat quads: whatever lies across a diagonal lies across two sides.
     /// Of a body without faces, its springs.
     pub edges: Vec<[u32; 2]>,
-    /// Of a closed surface the third nodes of the triangles to the left and to the right of each edge, seen from outside.
+    /// The third nodes of the triangles to the left and to the right of each edge, seen from outside; [`NONE`] on a border,
+    /// and between more than two triangles or such as don't agree on an outside. None of a body without faces.
     pub wings: Vec<[u32; 2]>,
     /// Whether the faces enclose a volume: every edge belongs to two faces that agree on which side is outside. A surface
     /// that is open has no outside, and both sides count.
@@ -77,14 +81,7 @@ impl Topology {
             match quad(at(a).distance(at(b)), [a, b], sides) {
                 None => {
                     edges.push([a, b]);
-                    if let ([first, second], true) = (sides.as_slice(), closed) {
-                        let [left, right] = if first.from == a {
-                            [first, second]
-                        } else {
-                            [second, first]
-                        };
-                        wings.push([left.opposite, right.opposite]);
-                    }
+                    wings.push(wings_of(a, sides));
                 }
                 Some((first, second, nodes)) => {
                     faces[first] = Some(Face::Quad(nodes));
@@ -116,6 +113,23 @@ struct Side {
     normal: DVec3,
     /// The longer one of the triangle's other edges \[m\].
     longest_other: f64,
+}
+
+/// The third nodes to the left and to the right of an edge from node `a`.
+fn wings_of(a: u32, sides: &[Side]) -> [u32; 2] {
+    let wing = |s: &Side| {
+        if s.from == a {
+            [s.opposite, NONE]
+        } else {
+            [NONE, s.opposite]
+        }
+    };
+    match sides {
+        [only] => wing(only),
+        [first, second] if first.from == a && second.from != a => [first.opposite, second.opposite],
+        [first, second] if second.from == a && first.from != a => [second.opposite, first.opposite],
+        _ => [NONE; 2],
+    }
 }
 
 /// Whether two triangles that agree on which side is outside share an edge.
@@ -153,6 +167,12 @@ mod tests {
         let block = topology(shape::lattice(Vector::ONE, 0.5).unwrap());
         assert!(block.closed);
         assert_eq!(block.edges.len(), block.wings.len());
+        let net = shape::lattice(Vector::ONE, 0.5).unwrap();
+        let at = |i: u32| wide(net.nodes[i as usize].position);
+        for (&[a, b], &[left, right]) in block.edges.iter().zip(&block.wings) {
+            let outward = (at(b) - at(a)).cross(at(left) - at(right));
+            assert!(outward.dot(at(a) + at(b)) > 0.0);
+        }
         // Euler: V − E + F = 2.
         assert_eq!(block.faces.len(), 24);
         assert_eq!(26 + 24, 2 + block.edges.len());

@@ -3,8 +3,8 @@
 //! cells is never a way out.
 
 use super::primitive;
-use super::way::{SELF, Way, bit, neighbours, order, place};
-use crate::contact::soup::{Edge, EdgeKind, EdgeSearch, Facet};
+use super::way::{SELF, Way, bit, is_hidden, neighbours, order, place};
+use crate::contact::soup::{Edge, EdgeKind, EdgeSearch, Facet, around};
 use crate::math::{DVec3, wide};
 use rapier3d::math::{IVector, Vector};
 use rapier3d::parry::bounding_volume::Aabb;
@@ -216,20 +216,25 @@ impl Grid {
         out.clear();
         // All cells round an edge in the box.
         let cell = |p: DVec3| (p / self.cell).floor().as_ivec3();
-        let (first, last) = (cell(lo.max(self.lo)), cell(hi.min(self.hi)));
-        if lo.cmple(self.hi).all() && self.lo.cmple(hi).all() {
-            let span = |a: i32, b: i32| a.saturating_sub(1)..=b.saturating_add(1);
-            let cells = span(first.z, last.z).flat_map(|z| {
-                let rows = span(first.y, last.y);
-                rows.flat_map(move |y| span(first.x, last.x).map(move |x| IVector::new(x, y, z)))
-            });
-            let facets = cells.flat_map(|c| self.facets(c));
-            let stands_out = |edge: &Edge| edge.kind != EdgeKind::Valley;
-            search.find(facets, (lo, hi), stands_out, out);
-        }
+        let one = IVector::splat(1);
+        let first = cell(lo.max(self.lo)) - one;
+        let last = cell(hi.min(self.hi)) + one;
+        let grown = around(lo - self.cell, hi + self.cell);
+        let cells = self.tree.intersect_aabb(&grown).flat_map(|k| {
+            let key = self.chunks[self.full[k as usize] as usize].key * 8;
+            let (low, high) = (first.max(key), last.min(key + IVector::splat(7)));
+            (low.z..=high.z).flat_map(move |z| {
+                let rows = low.y..=high.y;
+                rows.flat_map(move |y| (low.x..=high.x).map(move |x| IVector::new(x, y, z)))
+            })
+        });
+        let facets = cells.flat_map(|c| self.facets(c));
+        let stands_out = |edge: &Edge| edge.kind != EdgeKind::Valley;
+        search.find(facets, (lo, hi), stands_out, out);
     }
 
-    /// Two triangles for each free side of a filled cell, seen from outside, and their numbers.
+    /// Two triangles for each free side of a filled cell, seen from outside, and their numbers, which begin again after 60
+    /// million cells.
     fn facets(&self, cell: IVector) -> impl Iterator<Item = (u32, Facet)> {
         let near = self.near(cell);
         let place = (cell - self.first * 8).as_uvec3();
@@ -238,12 +243,13 @@ impl Grid {
         let number = number.wrapping_mul(size.x).wrapping_add(place.x);
         let corner = cell.as_dvec3();
         let width = self.cell;
-        (0..6_usize).flat_map(move |side| {
+        let sides = if is_hidden(near) { 0..0 } else { 0..6_usize };
+        sides.flat_map(move |side| {
             let (axis, up) = (side / 2, side % 2);
             let unit = |axis: usize| DVec3::AXES[axis % 3];
             let mut step = IVector::splat(0);
             step[axis] = 2 * up as i32 - 1;
-            let free = near & SELF != 0 && near & bit(step) == 0;
+            let free = near & bit(step) == 0;
             let base = corner + unit(axis) * up as f64;
             let (u, v) = (unit(axis + 1 + (1 - up)), unit(axis + 2 - (1 - up)));
             let quad = [base, base + u, base + u + v, base + v].map(|p| p * width);

@@ -57,6 +57,11 @@ pub fn neighbours(range: i32) -> impl Iterator<Item = IVector> {
     all().flat_map(move |x| all().flat_map(move |y| all().map(move |z| IVector::new(x, y, z))))
 }
 
+/// Whether a cell with these neighbours shows no side: it is empty, or filled cells lie across all of its faces.
+pub fn is_hidden(near: u32) -> bool {
+    near & SELF == 0 || near & FACES == FACES
+}
+
 /// The bit of a neighbour.
 pub fn bit(step: IVector) -> u32 {
     1 << ((step.x + 1) + 3 * (step.y + 1) + 9 * (step.z + 1))

@@ -1,6 +1,6 @@
 //! Faces and edges of one body against the convex parts of a solid.
 
-use super::making::{Making, Met};
+use super::making::{BORDER, Making, Met};
 use super::part::{Convex, Part};
 use super::patch::Patch;
 use crate::contact::distance::{Crossing, Solid};
@@ -212,9 +212,16 @@ impl Making<'_, '_> {
             self.near
         };
         let before = self.site.rows.contacts.len();
+        let end = BORDER * self.site.reach.touching / a.distance(b);
         let mut cross = |c: Crossing| {
+            // So near an end it is the node's business.
+            if c.t < end || c.t > 1.0 - end {
+                return;
+            }
             let at = (c.t, c.normal, c.distance);
-            self.across([p, e, c.edge], (&nodes, &corners), at, deepest);
+            let key = [p, e, c.edge];
+            let known = self.touches.touched(key);
+            self.across((key, known), (&nodes, &corners), at, deepest);
         };
         part.solid.for_each_crossing(a, b, most, &mut cross);
         if part.solid.has_round_side() {

@@ -20,8 +20,8 @@ pub(super) struct Met {
     shallow: bool,
 }
 
-/// How near the border of a face counts as on it, in distances that count as touching.
-const BORDER: f64 = 10.0;
+/// How near the border of a face or the end of an edge counts as on it, in distances that count as touching.
+pub(super) const BORDER: f64 = 10.0;
 
 impl Met {
     /// Whether the point is on the border of this face, within `width` m, and well within another one that looks elsewhere: what
@@ -106,11 +106,11 @@ impl Making<'_, '_> {
         })
     }
 
-    /// The row of an edge of the deformable that meets one of the target at `t` of its length, unless it is too far or too
-    /// deep, or so near an end that it is the node's business.
+    /// The row of an edge of the deformable that meets one of the target at `t` of its length, unless it is too far or, for
+    /// what is not `known` to touch, too deep.
     pub(super) fn across(
         &mut self,
-        key: Key,
+        (key, known): (Key, bool),
         (nodes, corners): (&[u32; 2], &[DVec3; 2]),
         (t, normal, distance): (f64, DVec3, f64),
         deepest: f64,
@@ -119,13 +119,9 @@ impl Making<'_, '_> {
         if depth < -self.site.reach.farthest || depth > deepest {
             return;
         }
-        let end = BORDER * self.site.reach.touching / corners[0].distance(corners[1]);
-        if t < end || t > 1.0 - end {
-            return;
-        }
         let weights = [1.0 - t, t, 0.0, 0.0];
         let reach = self.site.reach.at(self.closing(nodes, corners, &weights));
-        if depth >= -reach && (depth <= reach || self.touches.touched(key)) {
+        if depth >= -reach && (known || depth <= reach) {
             let point = Point {
                 nodes,
                 corners,
@@ -142,10 +138,11 @@ impl Making<'_, '_> {
         self.skin + 0.5 * self.site.side.topology.spacing
     }
 
-    /// Whether a point that touched last has not been met where it may get a row.
+    /// Whether a point that touched last has not been met where it may get a row; those met are in ascending order.
     pub(super) fn misses_some(&self, p: u32, met: &[Met]) -> bool {
         let is_met = |point: u32| {
-            let met = met.iter().filter(|m| m.point == point);
+            let met = &met[met.partition_point(|m| m.point < point)..];
+            let met = met.iter().take_while(|m| m.point == point);
             let mut met = met.map(|m| m.shallow || self.touches.touched([p, point, m.face]));
             met.any(|is| is)
         };

@@ -3,7 +3,6 @@
 use super::Features;
 use super::convex::ConvexFeatures;
 use super::part::Waking;
-use super::sharp::SharpFeatures;
 use crate::contact::touches::Touches;
 use crate::contact::watch::Watch;
 
@@ -12,8 +11,8 @@ use crate::contact::watch::Watch;
 pub enum Saved {
     /// Near the convex parts of a solid.
     Convex(SavedParts),
-    /// Near what is sharp.
-    Sharp(Box<SharpFeatures>),
+    /// Points and edges that touch what is sharp.
+    Sharp(Touches, Touches),
 }
 
 /// What is remembered near convex parts.
@@ -29,7 +28,9 @@ impl Features {
     pub fn save(&self) -> Saved {
         match self {
             Self::Convex(features) => Saved::Convex(features.save()),
-            Self::Sharp(features) => Saved::Sharp(features.clone()),
+            Self::Sharp(features) => {
+                Saved::Sharp(features.on_faces.clone(), features.on_edges.clone())
+            }
         }
     }
 
@@ -37,8 +38,8 @@ impl Features {
     pub fn restore(&mut self, saved: Saved) -> Option<()> {
         match (self, saved) {
             (Self::Convex(features), Saved::Convex(saved)) => features.restore(saved),
-            (Self::Sharp(features), Saved::Sharp(saved)) => {
-                *features = saved;
+            (Self::Sharp(features), Saved::Sharp(on_faces, on_edges)) => {
+                (features.on_faces, features.on_edges) = (on_faces, on_edges);
                 Some(())
             }
             _ => None,

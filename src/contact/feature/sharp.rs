@@ -5,9 +5,10 @@
 //! left to the nodes.
 
 use super::convex::bounds;
-use super::making::{Making, Met};
+use super::making::{BORDER, Making, Met};
 use super::patch::Patch;
-use crate::contact::encounter::closest::{between_segments, segments_apart};
+use crate::body::topology::NONE;
+use crate::contact::encounter::closest::segments_apart;
 use crate::contact::form::Form;
 use crate::contact::site::{Side, Site};
 use crate::contact::soup::{Edge, EdgeKind, EdgeSearch, around};
@@ -24,18 +25,17 @@ const GENTLE: f64 = 0.08;
 /// How far, as a sine, an edge or facet beside the point that touches may lean towards the body: a face rocks a little.
 const LEAN: f64 = 0.1;
 
+/// Cosine from which on the side where a neighbour was found tells that of a point.
+const ALIKE: f64 = 0.3;
+
 /// Sine below which a direction lies in a plane.
 const FLAT: f64 = 1e-3;
 
-/// How many times the present reach lists are made for.
+/// How many times the present reach lists are made for, besides what is looked for now.
 const AHEAD: f64 = 16.0;
 
 /// A point where edges end.
 #[derive(Clone, Copy, Debug)]
-#[cfg_attr(
-    feature = "serde-serialize",
-    derive(serde::Serialize, serde::Deserialize)
-)]
 struct Corner {
     /// What tells it from others of its surface.
     id: u32,
@@ -46,10 +46,6 @@ struct Corner {
 
 /// Faces and edges of one body near what is sharp of one target.
 #[derive(Clone, Debug, Default)]
-#[cfg_attr(
-    feature = "serde-serialize",
-    derive(serde::Serialize, serde::Deserialize)
-)]
 pub struct SharpFeatures {
     /// The way up to which the lists hold all that they must \[m\], once they have been made.
     until: Option<f64>,
@@ -65,9 +61,8 @@ pub struct SharpFeatures {
     crossings: Vec<[u32; 2]>,
     points_watch: Watch,
     crossings_watch: Watch,
-    on_faces: Touches,
-    on_edges: Touches,
-    #[cfg_attr(feature = "serde-serialize", serde(skip))]
+    pub(super) on_faces: Touches,
+    pub(super) on_edges: Touches,
     buffers: Buffers,
 }
 
@@ -138,9 +133,10 @@ impl SharpFeatures {
         let skin = target.skin + radius;
         // Rows made points faster since the reach was found, at most as fast again.
         let near = skin + 2.0 * site.reach.farthest;
-        if self.until.is_none_or(|until| way + near > until) {
-            let deepest = skin + 0.5 * site.side.topology.spacing;
-            let grow = (AHEAD * near).max(deepest);
+        // A point that was known may be as deep as that under another face.
+        let farthest = near.max(skin + 0.5 * site.side.topology.spacing);
+        if self.until.is_none_or(|until| way + farthest > until) {
+            let grow = farthest + AHEAD * site.reach.farthest;
             self.gather(&target.form, &site.side, collider, grow);
             self.until = Some(way + grow);
         }
@@ -167,12 +163,11 @@ impl SharpFeatures {
         self.points_watch
             .visit(points.len(), way, (near, near), look);
         if making.misses_some(0, met) {
-            // A point that was known may have come deep under another face.
             met.clear();
-            making.near = near.max(making.deepest_point());
-            for &pair in points {
-                meet(&making, met, pair);
-            }
+            making.near = farthest;
+            let look = |k: u32| meet(&making, met, points[k as usize]);
+            self.points_watch
+                .visit(points.len(), way, (farthest, near), look);
         }
         for met in met.chunk_by(|a, b| a.point == b.point) {
             making.point(0, met);
@@ -200,6 +195,10 @@ impl SharpFeatures {
         places.extend(nodes.map(|i| frame.to_local(side.state, i)));
         let all = grown(places.iter().copied(), grow);
         edges_in(form, all, search, &mut self.edges);
+        if self.edges.is_empty() {
+            self.corners.clear();
+            return;
+        }
         self.edges.sort_unstable_by_key(|e| e.id);
         let spacing = side.topology.spacing;
         self.keep_corners(all, spacing);
@@ -321,6 +320,25 @@ fn is_gentle_point(ends: &[End], spacing: f64) -> bool {
         .all(|end| end.edge.kind != EdgeKind::Free && is_gentle(0.5 * bend(end), width, spacing))
 }
 
+/// How far along each of two segments they come nearest, unless that is more than `overlap` m beyond an end or they are
+/// parallel (sine below 0.03).
+fn crossing(a: [DVec3; 2], b: [DVec3; 2], overlap: f64) -> Option<[f64; 2]> {
+    let (d, e, r) = (a[1] - a[0], b[1] - b[0], a[0] - b[0]);
+    let (dd, ee, de) = (d.length_squared(), e.length_squared(), d.dot(e));
+    let determinant = dd * ee - de * de;
+    if determinant.is_nan() || determinant <= 1e-3 * dd * ee {
+        return None;
+    }
+    let (dr, er) = (d.dot(r), e.dot(r));
+    let s = (de * er - dr * ee) / determinant;
+    let t = (dd * er - de * dr) / determinant;
+    let inside = |x: f64, length2: f64| {
+        let beyond = (x - 0.5).abs() - 0.5;
+        beyond * length2.sqrt() <= overlap
+    };
+    (inside(s, dd) && inside(t, ee)).then_some([s.clamp(0.0, 1.0), t.clamp(0.0, 1.0)])
+}
+
 /// Whether a corner or edge can push along a direction: nothing of its surface goes that way.
 fn can_push(cone: &[DVec3], direction: DVec3) -> bool {
     cone.iter().all(|c| c.dot(direction) <= LEAN)
@@ -335,7 +353,8 @@ impl Making<'_, '_> {
         let (lo, hi) = bounds(patch.corners().iter().copied());
         let p = corner.place;
         let apart = (lo - p).max(p - hi).max_element();
-        if apart > self.near {
+        let key = [0, corner.id, f];
+        if apart > self.near && !self.touches.touched(key) {
             return (apart, None);
         }
         let Some(foot) = patch.foot(p) else {
@@ -344,8 +363,10 @@ impl Making<'_, '_> {
         let outward = if topology.closed {
             foot.normal
         } else {
-            let last = self.touches.normal_like([0, corner.id]);
-            let side = last.map_or(p - foot.point, |last| -last);
+            let touches = &self.touches;
+            let last = touches.normal(&key).or_else(|| touches.normal(&key[..2]));
+            let known = last.filter(|last| last.dot(foot.normal).abs() > ALIKE);
+            let side = known.map_or(p - foot.point, |last| -last);
             foot.normal * 1.0_f64.copysign(foot.normal.dot(side))
         };
         if !can_push(cone, -outward) {
@@ -369,25 +390,34 @@ impl Making<'_, '_> {
         let apart =
             segments_apart(corners, edge.ends).max((corners[0] - edge.ends[0]).dot(across).abs());
         let key = [e, edge.id, 0];
-        let last = self.touches.normal(key);
-        if apart > self.near && last.is_none() {
+        let touched = self.touches.touched(key);
+        if apart > self.near && !touched {
             return apart;
         }
-        let Some([t, s]) = between_segments(corners, edge.ends) else {
+        // A line has no inside that would tell a node beside it to take over: edges overlap at their ends.
+        let overlap = BORDER * self.site.reach.touching;
+        let Some([t, s]) = crossing(corners, edge.ends, overlap) else {
             return apart;
         };
         let way = corners[0].lerp(corners[1], t) - edge.ends[0].lerp(edge.ends[1], s);
-        let body = self.flanks(e, corners);
-        let side = match &body {
-            Some((outward, _)) => -*outward,
-            None => last.unwrap_or(way),
+        let flanks = self.flanks(e, corners);
+        // What slides on from one edge to the next may be on the wrong side by then: only its neighbours know.
+        let (side, last) = if self.site.side.topology.closed {
+            (
+                flanks[0].cross(along(corners)) - flanks[1].cross(along(corners)),
+                None,
+            )
+        } else {
+            let last = self.touches.alike(key, across);
+            let last = last.filter(|n| n.dot(across).abs() > ALIKE);
+            (last.unwrap_or(way), last)
         };
         let normal = across * 1.0_f64.copysign(across.dot(side));
-        let fits = body.is_none_or(|(_, flanks)| can_push(&flanks, -normal));
-        if fits && can_push(&edge.flanks(), normal) {
+        if can_push(&flanks, -normal) && can_push(&edge.flanks(), normal) {
             let before = self.site.rows.contacts.len();
             let at = (t, normal, way.dot(normal));
-            self.across(key, (&nodes, &corners), at, self.deepest_point());
+            let known = touched || last.is_some();
+            self.across((key, known), (&nodes, &corners), at, self.deepest_point());
             if self.site.rows.contacts.len() > before {
                 // What touches may be deeper next time.
                 return 0.0;
@@ -396,14 +426,23 @@ impl Making<'_, '_> {
         apart
     }
 
-    /// The outward direction at an edge of a closed body, and the unit directions into its faces, square to it.
-    fn flanks(&self, e: u32, [a, b]: [DVec3; 2]) -> Option<(DVec3, [DVec3; 2])> {
-        let wings = self.site.side.topology.wings.get(e as usize)?;
-        let along = (b - a).normalize_or_zero();
-        let [left, right] = self.ends(wings).map(|p| {
-            let into = p - a;
-            (into - along * into.dot(along)).normalize_or_zero()
-        });
-        Some((along.cross(left - right), [left, right]))
+    /// The unit directions from an edge into its faces, left and right, square to it; 0 for what is not there.
+    fn flanks(&self, e: u32, [a, b]: [DVec3; 2]) -> [DVec3; 2] {
+        let wings = self.site.side.topology.wings.get(e as usize);
+        let along = along([a, b]);
+        wings.map_or([DVec3::ZERO; 2], |wings| {
+            wings.map(|node| {
+                if node == NONE {
+                    return DVec3::ZERO;
+                }
+                let into = self.frame.to_local(self.site.side.state, node) - a;
+                (into - along * into.dot(along)).normalize_or_zero()
+            })
+        })
     }
+}
+
+/// The unit direction of an edge.
+fn along([a, b]: [DVec3; 2]) -> DVec3 {
+    (b - a).normalize_or_zero()
 }

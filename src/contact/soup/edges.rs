@@ -214,7 +214,7 @@ impl Half {
     fn key_order(&self, other: &Self) -> Ordering {
         order(self.ends[0], other.ends[0])
             .then_with(|| order(self.ends[1], other.ends[1]))
-            .then_with(|| self.facet.cmp(&other.facet))
+            .then_with(|| (self.facet, self.side).cmp(&(other.facet, other.side)))
     }
 
     /// How far the facet reaches from the edge \[m\].

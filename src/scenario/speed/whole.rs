@@ -6,6 +6,7 @@ use super::{SceneError, Sizes};
 use crate::scenario::{Scene, find};
 use crate::solve::Kernel;
 use crate::world::DeformableWorld;
+use std::time::Instant;
 
 /// A crash scene.
 #[derive(Clone, Debug, serde::Serialize)]
@@ -52,20 +53,60 @@ pub fn steps(scene: &Scene, duration: f64, recorded: bool) -> Result<(f64, f64),
     Ok((clock.spent().as_secs_f64(), updates))
 }
 
+/// Spring updates per second of whole steps of a scene, and of the springs and nodes of its bodies alone, at rest. The two take
+/// turns all along: what else a machine has to do comes and goes within seconds.
+///
+/// # Errors
+/// [`SceneError`] where it can't be built.
+pub fn in_turn(scene: &Scene, duration: f64) -> Result<[f64; 2], SceneError> {
+    /// \[s\]
+    const TURN: f64 = 0.03;
+    let mut options = scene.options;
+    options.duration = duration;
+    let mut run = scene.build(&options)?;
+    let bodies = run.deformables.iter().map(|(_, body)| body);
+    let mut subjects: Vec<Subject> = bodies
+        .map(|body| Subject::new(body.blueprint(), Kernel::Auto, 0.0))
+        .collect();
+    let bodies = run.deformables.iter().map(|(_, body)| body);
+    let springs: usize = bodies.map(|body| body.spring_count()).sum();
+    let (mut whole, mut alone) = (Pace::default(), Pace::default());
+    let mut left = run.total_steps();
+    while left > 0 {
+        let clock = Clock::start();
+        let wall = Instant::now();
+        while left > 0 && wall.elapsed().as_secs_f64() < TURN {
+            run.deformables.step(&mut run.world);
+            whole.updates += run.deformables.report().spring_updates as f64;
+            left -= 1;
+        }
+        whole.spent += clock.spent().as_secs_f64();
+        let count = 200_000 / springs.max(1) + 1;
+        let each = per_call(TURN, count, || {
+            subjects.iter_mut().for_each(Subject::substep);
+        });
+        alone.updates += springs as f64;
+        alone.spent += each;
+    }
+    Ok([whole.rate(), alone.rate()])
+}
+
+#[derive(Default)]
+struct Pace {
+    spent: f64,
+    updates: f64,
+}
+
+impl Pace {
+    fn rate(&self) -> f64 {
+        self.updates / self.spent
+    }
+}
+
 pub(super) fn rows(sizes: &Sizes) -> Result<Vec<WholeRow>, SceneError> {
     let crash = find("wall").map_err(|_| SceneError::Missing("wall"))?;
-    let built = crash.build(&crash.options)?;
-    let springs: usize = built
-        .deformables
-        .iter()
-        .map(|(_, b)| b.spring_count())
-        .sum();
     let pairs: Result<Vec<[f64; 2]>, SceneError> = (0..sizes.rounds.min(3))
-        .map(|_| {
-            let (spent, updates) = steps(crash, sizes.crash, false)?;
-            let alone = springs as f64 / force_loop(&built.deformables, sizes.long);
-            Ok([updates / spent, alone])
-        })
+        .map(|_| in_turn(crash, sizes.crash))
         .collect();
     let pairs = pairs?;
     Ok(vec![WholeRow {

@@ -43,8 +43,8 @@ fn goes_on(name: &str, before: usize, after: usize, renew: bool) {
     assert!(last[0] == last[1], "{name}: something else differs");
 }
 
-/// Springs that yield and break against a fixed wall, solids of tets, a heap of everything, joints, attachments, thin
-/// plates.
+/// Springs that yield and break against a fixed wall, solids of tets, a heap of everything, joints, attachments, thin plates,
+/// edges of a terrain.
 #[test]
 fn a_restored_scene_goes_on_bit_for_bit() {
     goes_on("wall", 8, 10, true);
@@ -55,6 +55,7 @@ fn a_restored_scene_goes_on_bit_for_bit() {
     goes_on("thin_plate", 1, 2, true);
     goes_on("tow_rope", 12, 12, true);
     goes_on("motor", 30, 30, true);
+    goes_on("terrain", 60, 20, true);
 }
 
 /// What a scene file comes to: the hash of the state, every check and every probe, bit for bit. After so many steps Rapier's

@@ -161,3 +161,81 @@ fn a_needle_of_a_mesh_does_what_its_hull_does() {
     let through = [hull, mesh].map(|obstacle| fall(tarpaulin(), obstacle, 0.3));
     assert!((through[0] - through[1]).abs() < 1e-4, "{through:?}");
 }
+
+/// Bars of 40 cm along z, their upper edge at the origin, of many pieces where that is possible.
+fn bars() -> Vec<(&'static str, ColliderBuilder)> {
+    let v = Vector::new;
+    let along = |x: f32, y: f32| -> Vec<Vector> {
+        let at = |i: u8| v(x, y, f32::from(i) * 0.05 - 0.2);
+        (0..9).map(at).collect()
+    };
+    let top = along(0.0, 0.0);
+    let strip = |a: u32, b: u32| -> Vec<[u32; 3]> {
+        let cell = |i: u32| [[a + i, b + i, b + i + 1], [a + i, b + i + 1, a + i + 1]];
+        (0..8).flat_map(cell).collect()
+    };
+    let fin = [top.clone(), along(0.0, -0.1)].concat();
+    let roof = [top.clone(), along(-0.05, -0.1), along(0.05, -0.1)].concat();
+    let roof_faces = [strip(0, 9), strip(18, 0)].concat();
+    let cells: Vec<IVector> = (0..20).map(|z| IVector::new(0, -1, z - 10)).collect();
+    let (first, last) = (top[0], top[8]);
+    vec![
+        ("wire", ColliderBuilder::polyline(top.clone(), None)),
+        ("segment", ColliderBuilder::segment(first, last)),
+        (
+            "triangle",
+            ColliderBuilder::triangle(first, last, v(0.0, -0.2, 0.0)),
+        ),
+        (
+            "round triangle",
+            ColliderBuilder::round_triangle(first, last, v(0.0, -0.2, 0.0), 1e-3)
+                .translation(Vector::NEG_Y * 1e-3),
+        ),
+        ("fin", ColliderBuilder::trimesh(fin, strip(0, 9)).unwrap()),
+        ("roof", ColliderBuilder::trimesh(roof, roof_faces).unwrap()),
+        (
+            "voxels",
+            ColliderBuilder::voxels(Vector::splat(0.02), &cells).translation(v(-0.01, 0.0, 0.0)),
+        ),
+    ]
+}
+
+/// Draws a bar under a sheet that is held at its border, 3 cm above the border, and returns how far it came through \[m\].
+fn draw(bar: ColliderBuilder) -> f64 {
+    let mut world = PhysicsWorld::default();
+    let start = Vector::new(-0.33, -0.05, 0.013);
+    let (body, _) = world.insert(
+        RigidBodyBuilder::kinematic_velocity_based().translation(start),
+        bar.friction(0.3),
+    );
+    let mut deformables = DeformableWorld::default();
+    let net = sheet(1.0, 1.0, 10, 10, 1e-3).unwrap().pin_border();
+    let cloth = DeformableBuilder::new(net)
+        .material(Material::elastic(2.0e6, 1000.0).viscosity(5.0e3))
+        .friction(0.3);
+    deformables.insert(cloth).unwrap();
+    let mut worst = 0.0_f64;
+    for i in 0..160 {
+        // Up, and then across.
+        let up = if i < 20 { 0.24 } else { 0.0 };
+        let across = if i < 20 { 0.0 } else { 0.3 };
+        world.bodies[body].set_linvel(Vector::new(across, up, 0.0), true);
+        deformables.step(&mut world);
+        let at = world.bodies[body].translation();
+        for k in 0..41 {
+            let edge = at + Vector::Z * (f32::from(k as u8) * 0.01 - 0.2);
+            let down = Ray::new(edge, Vector::NEG_Y);
+            let below = deformables.cast_ray(&down, 1.0, false, DeformableFilter::new());
+            worst = worst.max(below.map_or(0.0, |hit| hit.time_of_impact.into()));
+        }
+    }
+    worst
+}
+
+#[test]
+fn a_sheet_is_drawn_over_edges_of_all_kinds() {
+    for (name, bar) in bars() {
+        let worst = draw(bar);
+        assert!(worst < 4e-3, "{name} comes {worst} m through");
+    }
+}
