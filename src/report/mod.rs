@@ -16,6 +16,7 @@ pub mod mesh;
 pub mod picture;
 pub mod plot;
 mod raster;
+mod rigid;
 mod shadow;
 pub mod shape;
 pub mod stage;

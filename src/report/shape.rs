@@ -5,7 +5,6 @@
 
 use super::mesh::Mesh;
 use crate::math::{Pose, Real, Vector};
-use rapier3d::geometry::HeightField;
 use std::collections::BTreeMap;
 use std::f32::consts::PI;
 
@@ -67,10 +66,14 @@ impl Mesh {
         Self::new(vertices.collect(), triangles, color)
     }
 
-    /// A height field. Its triangles come with corners of their own; equal ones are made one, so that neighbours are
-    /// known as such and only creases are outlined.
-    pub fn height_field(field: &HeightField, pose: &Pose, color: [f32; 3]) -> Self {
-        let (corners, triangles) = field.to_trimesh();
+    /// Triangles that may have corners of their own: equal ones are made one, so that neighbours are known as such and only
+    /// creases are outlined.
+    pub fn welded(
+        corners: &[Vector],
+        triangles: &[[u32; 3]],
+        pose: &Pose,
+        color: [f32; 3],
+    ) -> Self {
         let (mut vertices, mut known) = (Vec::new(), BTreeMap::new());
         let ids: Vec<u32> = corners
             .iter()
@@ -165,9 +168,10 @@ mod tests {
     #[test]
     fn a_height_field_is_one_sheet_where_it_stands() {
         let heights = rapier3d::parry::utils::Array2::repeat(4, 3, 0.5);
-        let field = HeightField::new(heights, Vector::new(2.0, 1.0, 3.0));
+        let field = rapier3d::geometry::HeightField::new(heights, Vector::new(2.0, 1.0, 3.0));
         let pose = Pose::from_translation(Vector::new(0.0, 1.0, 10.0));
-        let mesh = Mesh::height_field(&field, &pose, [0.5; 3]);
+        let (corners, triangles) = field.to_trimesh();
+        let mesh = Mesh::welded(&corners, &triangles, &pose, [0.5; 3]);
         assert_eq!((mesh.vertices.len(), mesh.triangles.len()), (12, 12));
         let (lo, hi) = mesh.bounds().unwrap();
         assert!(lo.distance(Vector::new(-1.0, 1.5, 8.5)) < 1.0e-5, "{lo}");

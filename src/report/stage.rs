@@ -9,9 +9,10 @@ use super::color::{ColorBar, colormap, mix};
 use super::ground::Ground;
 use super::mesh::Mesh;
 use super::picture::Picture;
+use super::rigid;
 use crate::math::{Pose, Real, Vector};
-use crate::record::frame::{Frame, FrameBody, FrameCollider};
-use rapier3d::geometry::{ColliderHandle, TypedShape};
+use crate::record::frame::{Frame, FrameBody};
+use rapier3d::geometry::ColliderHandle;
 use std::ops::Range;
 
 /// Share of a picture's width that is left to the colour scale \[1\].
@@ -27,7 +28,7 @@ pub struct Stage {
     /// Runs of the first deformable's triangles with a colour of their own, by name: `glass`, `tyre`, `rim`, `lamp`;
     /// others show their strain. They hold for every deformable with as many triangles as the first.
     pub parts: Vec<(String, Range<usize>)>,
-    /// The collider that is drawn as a plane instead of a box.
+    /// The collider that is drawn as a plane, if it is a box or a half-space.
     pub ground: Option<ColliderHandle>,
     /// Strain at the end of the colour scale \[1\].
     pub max_strain: f64,
@@ -96,18 +97,19 @@ impl Stage {
             self.body(body, body.triangles.len() == first, &mut meshes);
         }
         let soft = meshes.len();
-        let rigid = frame
-            .colliders
-            .iter()
-            .filter(|c| Some(c.collider) != self.ground);
-        meshes.extend(rigid.filter_map(shape));
+        let plane = self.plane(frame);
+        for collider in &frame.colliders {
+            if plane.is_none() || Some(collider.collider) != self.ground {
+                rigid::draw(collider, &mut meshes);
+            }
+        }
         for mesh in &meshes {
             picture.draw_mesh(&self.camera, mesh);
         }
         for mesh in &meshes[soft..] {
             picture.draw_outline(&self.camera, mesh, [0.30, 0.30, 0.33], 0.8);
         }
-        if let Some(ground) = self.plane(frame) {
+        if let Some(ground) = plane {
             let casters: Vec<&Mesh> = meshes.iter().collect();
             picture.draw_ground(&self.camera, &ground, &casters);
         }
@@ -161,14 +163,11 @@ impl Stage {
         }
     }
 
+    /// The plane that is drawn for the ground, if that is one.
     fn plane(&self, frame: &Frame) -> Option<Ground> {
         let handle = self.ground?;
         let ground = frame.colliders.iter().find(|c| c.collider == handle)?;
-        let top = ground.shape.compute_aabb(&ground.pose).maxs.y;
-        Some(Ground {
-            origin: Vector::new(0.0, top, 0.0),
-            ..Ground::default()
-        })
+        rigid::ground(ground)
     }
 }
 
@@ -178,25 +177,6 @@ fn tint(name: &str) -> Option<[f32; 3]> {
         "tyre" => [0.16, 0.16, 0.17],
         "rim" => [0.62, 0.63, 0.65],
         "lamp" => [0.96, 0.93, 0.78],
-        _ => return None,
-    })
-}
-
-/// The mesh of a shape that can be drawn.
-fn shape(c: &FrameCollider) -> Option<Mesh> {
-    let color = if c.dynamic {
-        [0.74, 0.58, 0.40]
-    } else {
-        [0.66, 0.67, 0.69]
-    };
-    Some(match c.shape.as_typed_shape() {
-        TypedShape::Cuboid(s) => Mesh::cuboid(s.half_extents, &c.pose, color),
-        TypedShape::Ball(s) => Mesh::ball(s.radius, &c.pose, color),
-        TypedShape::Cylinder(s) => Mesh::cylinder(s.half_height, s.radius, &c.pose, color),
-        TypedShape::HeightField(s) => Mesh::height_field(s, &c.pose, color),
-        TypedShape::TriMesh(s) => {
-            Mesh::triangles(s.vertices(), s.indices().to_vec(), &c.pose, color)
-        }
         _ => return None,
     })
 }

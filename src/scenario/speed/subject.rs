@@ -83,7 +83,10 @@ impl Subject {
         }
         let mut solver = Solver::new(&blueprint.springs, &state);
         solver.kernel = kernel;
-        Self { solver, state }
+        let mut subject = Self { solver, state };
+        // The tables of the kernels are made by the first substep, which takes as long as a thousand others.
+        subject.substep();
+        subject
     }
 
     /// Symplectic Euler over [`H`], one of many substeps.
