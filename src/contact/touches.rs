@@ -73,21 +73,17 @@ impl Touches {
         Some((touch.normal, touch.hold))
     }
 
-    /// The normal that a point had when it last touched, the first of those whose keys begin like this.
-    pub fn normal(&self, beginning: &[u32]) -> Option<DVec3> {
-        let i = self.kept.partition_point(|t| t.key[..] < *beginning);
-        let first = self.kept.get(i)?;
-        first.key.starts_with(beginning).then_some(first.normal)
+    /// The normal that this point had when it last touched.
+    pub fn normal(&self, key: Key) -> Option<DVec3> {
+        let i = self.kept.binary_search_by_key(&key, |t| t.key);
+        i.ok().map(|i| self.kept[i].normal)
     }
 
-    /// The normal that a point had when it last touched, or of those that share one of the first two parts of its key the one
-    /// most along a direction.
-    pub fn alike(&self, key: Key, direction: DVec3) -> Option<DVec3> {
-        let share = |t: &&Touch| t.key[0] == key[0] || t.key[1] == key[1];
-        let neighbours = self.kept.iter().filter(share).map(|t| t.normal);
+    /// The normal most along a direction of those that points had when they last touched, among those with certain keys.
+    pub fn normal_along(&self, direction: DVec3, is: impl Fn(Key) -> bool) -> Option<DVec3> {
+        let normals = self.kept.iter().filter(|t| is(t.key)).map(|t| t.normal);
         let along = |n: &DVec3| n.dot(direction).abs();
-        self.normal(&key)
-            .or_else(|| neighbours.max_by(|a, b| along(a).total_cmp(&along(b))))
+        normals.max_by(|a, b| along(a).total_cmp(&along(b)))
     }
 
     /// What the row of this point ended with last \[N·s\].

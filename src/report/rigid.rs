@@ -9,8 +9,8 @@ use rapier3d::geometry::{Segment, Shape, TypedShape};
 /// Segments around a cone.
 const AROUND: u32 = 40;
 
-/// Appends the meshes of a collider: none of half-spaces, lines and custom shapes. Rounded hulls and cones are drawn without
-/// their rounding.
+/// Appends the meshes of a collider: none of half-spaces, lines and custom shapes. Rounded hulls, cones and triangles are
+/// drawn without their rounding.
 pub fn draw(collider: &FrameCollider, out: &mut Vec<Mesh>) {
     let color = if collider.dynamic {
         [0.74, 0.58, 0.40]

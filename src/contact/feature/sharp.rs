@@ -13,7 +13,7 @@ use crate::contact::form::Form;
 use crate::contact::site::{Side, Site};
 use crate::contact::soup::{Edge, EdgeKind, EdgeSearch, around};
 use crate::contact::target::{Frame, Target};
-use crate::contact::touches::Touches;
+use crate::contact::touches::{Key, Touches};
 use crate::contact::watch::Watch;
 use crate::math::DVec3;
 use crate::solve::rows::Rows;
@@ -178,7 +178,7 @@ impl SharpFeatures {
         self.crossings_watch
             .visit(crossings.len(), way, (near, near), |k| {
                 let [e, other] = crossings[k as usize];
-                making.meet_edge(e, &edges[other as usize])
+                making.meet_edge(e, &edges[other as usize], edges)
             });
     }
 
@@ -363,8 +363,14 @@ impl Making<'_, '_> {
         let outward = if topology.closed {
             foot.normal
         } else {
+            let nodes = topology.faces[f as usize].nodes();
+            let beside = |[_, id, other]: Key| {
+                let face = topology.faces.get(other as usize);
+                id == corner.id && face.is_some_and(|face| share_node(face.nodes(), nodes))
+            };
             let touches = &self.touches;
-            let last = touches.normal(&key).or_else(|| touches.normal(&key[..2]));
+            let last = touches.normal(key);
+            let last = last.or_else(|| touches.normal_along(foot.normal, beside));
             let known = last.filter(|last| last.dot(foot.normal).abs() > ALIKE);
             let side = known.map_or(p - foot.point, |last| -last);
             foot.normal * 1.0_f64.copysign(foot.normal.dot(side))
@@ -381,8 +387,8 @@ impl Making<'_, '_> {
         (apart, met)
     }
 
-    /// Adds the row of two edges that cross, and returns how far they are from each other, or less \[m\].
-    fn meet_edge(&mut self, e: u32, edge: &Edge) -> f64 {
+    /// Adds the row of an edge and one of the `edges` of the target that cross, and returns how far they are from each other, or less \[m\].
+    fn meet_edge(&mut self, e: u32, edge: &Edge, edges: &[Edge]) -> f64 {
         let nodes = self.site.side.topology.edges[e as usize];
         let corners = self.ends(&nodes);
         let across = (corners[1] - corners[0]).cross(edge.along());
@@ -401,14 +407,24 @@ impl Making<'_, '_> {
         };
         let way = corners[0].lerp(corners[1], t) - edge.ends[0].lerp(edge.ends[1], s);
         let flanks = self.flanks(e, corners);
-        // What slides on from one edge to the next may be on the wrong side by then: only its neighbours know.
+        // What slides on from one edge to the next may be on the wrong side by then: only the one beside it knows.
         let (side, last) = if self.site.side.topology.closed {
             (
                 flanks[0].cross(along(corners)) - flanks[1].cross(along(corners)),
                 None,
             )
         } else {
-            let last = self.touches.alike(key, across);
+            let beside = |[own, id, _]: Key| {
+                if own == e {
+                    let i = edges.binary_search_by_key(&id, |other| other.id);
+                    i.is_ok_and(|i| edges[i].ends.iter().any(|end| edge.ends.contains(end)))
+                } else {
+                    let own = self.site.side.topology.edges.get(own as usize);
+                    id == edge.id && own.is_some_and(|own| share_node(own, &nodes))
+                }
+            };
+            let last = self.touches.normal(key);
+            let last = last.or_else(|| self.touches.normal_along(across, beside));
             let last = last.filter(|n| n.dot(across).abs() > ALIKE);
             (last.unwrap_or(way), last)
         };
@@ -440,6 +456,11 @@ impl Making<'_, '_> {
             })
         })
     }
+}
+
+/// Whether two faces or edges have a node in common.
+fn share_node(a: &[u32], b: &[u32]) -> bool {
+    a.iter().any(|node| b.contains(node))
 }
 
 /// The unit direction of an edge.

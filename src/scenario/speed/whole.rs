@@ -59,8 +59,8 @@ pub fn steps(scene: &Scene, duration: f64, recorded: bool) -> Result<(f64, f64),
 /// # Errors
 /// [`SceneError`] where it can't be built.
 pub fn in_turn(scene: &Scene, duration: f64) -> Result<[f64; 2], SceneError> {
-    /// \[s\]
-    const TURN: f64 = 0.03;
+    /// Many grains of the clock \[s\].
+    const TURN: f64 = 0.12;
     let mut options = scene.options;
     options.duration = duration;
     let mut run = scene.build(&options)?;
