@@ -110,9 +110,9 @@ pub fn on_triangle(p: DVec3, corners: &[DVec3; 3]) -> Nearest {
     }
 }
 
-/// Where two segments come nearest, if that is inside both and they are not parallel (sin > .03): how far along each, from
-/// 0 to 1.
-pub fn between_segments(a: [DVec3; 2], b: [DVec3; 2]) -> Option<[f64; 2]> {
+/// How far along each of two segments their lines come nearest, 0 and 1 being the ends, unless they are parallel
+/// (sin < .03).
+pub fn between_lines(a: [DVec3; 2], b: [DVec3; 2]) -> Option<[f64; 2]> {
     let (d, e, r) = (a[1] - a[0], b[1] - b[0], a[0] - b[0]);
     let (dd, ee, de) = (d.length_squared(), e.length_squared(), d.dot(e));
     let determinant = dd * ee - de * de;
@@ -122,8 +122,13 @@ pub fn between_segments(a: [DVec3; 2], b: [DVec3; 2]) -> Option<[f64; 2]> {
     let (dr, er) = (d.dot(r), e.dot(r));
     let s = (de * er - dr * ee) / determinant;
     let t = (dd * er - de * dr) / determinant;
-    let inside = |x: f64| x > 1e-6 && x < 1.0 - 1e-6;
-    (inside(s) && inside(t)).then_some([s, t])
+    Some([s, t])
+}
+
+/// The same where it is inside both segments.
+pub fn between_segments(a: [DVec3; 2], b: [DVec3; 2]) -> Option<[f64; 2]> {
+    let inside = |x: &f64| *x > 1e-6 && *x < 1.0 - 1e-6;
+    between_lines(a, b).filter(|along| along.iter().all(inside))
 }
 
 /// A bound from below on the distance of two segments: that of the balls around them \[m\].

@@ -8,6 +8,7 @@
 
 mod convex;
 mod making;
+mod meet;
 mod part;
 mod patch;
 #[cfg(feature = "serde-serialize")]

@@ -5,7 +5,6 @@ use super::subject::Subject;
 use super::{SceneError, Sizes};
 use crate::scenario::{Scene, find};
 use crate::solve::Kernel;
-use crate::world::DeformableWorld;
 use std::time::Instant;
 
 /// A crash scene.
@@ -19,38 +18,6 @@ pub struct WholeRow {
     pub alone_per_s: f64,
     /// The one over the other, median over pairs \[1\].
     pub share: f64,
-}
-
-/// Seconds per substep of the bodies' springs and nodes alone, at rest, each measured for at least `least` s.
-pub fn force_loop(deformables: &DeformableWorld, least: f64) -> f64 {
-    let bodies = deformables.iter().map(|(_, body)| {
-        let mut subject = Subject::new(body.blueprint(), Kernel::Auto, 0.0);
-        let count = 200_000 / body.spring_count().max(1) + 1;
-        per_call(least, count, || subject.substep())
-    });
-    bodies.sum()
-}
-
-/// Seconds and spring updates of a scene, with or without its recorder.
-///
-/// # Errors
-/// [`SceneError`] where it can't be built.
-pub fn steps(scene: &Scene, duration: f64, recorded: bool) -> Result<(f64, f64), SceneError> {
-    let mut options = scene.options;
-    options.duration = duration;
-    let mut run = scene.build(&options)?;
-    let mut updates = 0.0;
-    let clock = Clock::start();
-    for _ in 0..run.total_steps() {
-        if recorded {
-            run.deformables
-                .step_with(&mut run.world, &(), &(), &mut run.recorder);
-        } else {
-            run.deformables.step(&mut run.world);
-        }
-        updates += run.deformables.report().spring_updates as f64;
-    }
-    Ok((clock.spent().as_secs_f64(), updates))
 }
 
 /// Spring updates per second of whole steps of a scene, and of the springs and nodes of its bodies alone, at rest. The two take

@@ -1,0 +1,162 @@
+//! A corner of the target against a face of the body, and an edge against an edge: on which side, how deep, which way out.
+
+use super::convex::bounds;
+use super::making::{BORDER, Making, Met};
+use super::patch::Patch;
+use super::sharp::Corner;
+use crate::body::topology::NONE;
+use crate::contact::encounter::closest::{between_lines, segments_apart};
+use crate::contact::soup::Edge;
+use crate::contact::touches::Key;
+use crate::math::DVec3;
+
+/// How far, as a sine, an edge or facet beside the point that touches may lean towards the body: a face rocks a little.
+const LEAN: f64 = 0.1;
+
+/// Cosine from which on the side where a neighbour was found tells that of a point.
+const ALIKE: f64 = 0.3;
+
+/// How far along each of two segments they come nearest, unless that is more than `overlap` m beyond an end or they are
+/// parallel.
+fn crossing(a: [DVec3; 2], b: [DVec3; 2], overlap: f64) -> Option<[f64; 2]> {
+    let [s, t] = between_lines(a, b)?;
+    let inside = |x: f64, [from, to]: [DVec3; 2]| {
+        let beyond = (x - 0.5).abs() - 0.5;
+        beyond * from.distance(to) <= overlap
+    };
+    (inside(s, a) && inside(t, b)).then_some([s.clamp(0.0, 1.0), t.clamp(0.0, 1.0)])
+}
+
+/// Whether a corner or edge can push along a direction: nothing of its surface goes that way.
+fn can_push(cone: &[DVec3], direction: DVec3) -> bool {
+    cone.iter().all(|c| c.dot(direction) <= LEAN)
+}
+
+impl Making<'_, '_> {
+    /// How far a corner is from a face, or less \[m\], and how it meets it. Of a closed surface the outside is that of its
+    /// winding; of an open one where the corner is, or was when it touched.
+    pub(super) fn meet_corner(
+        &self,
+        corner: &Corner,
+        cone: &[DVec3],
+        f: u32,
+    ) -> (f64, Option<Met>) {
+        let topology = self.site.side.topology;
+        let patch = Patch::new(self.corners(topology.faces[f as usize].nodes()));
+        let (lo, hi) = bounds(patch.corners().iter().copied());
+        let p = corner.place;
+        let apart = (lo - p).max(p - hi).max_element();
+        let key = [0, corner.id, f];
+        if apart > self.near && !self.touches.touched(key) {
+            return (apart, None);
+        }
+        let Some(foot) = patch.foot(p) else {
+            return (apart, None);
+        };
+        let outward = if topology.closed {
+            foot.normal
+        } else {
+            let nodes = topology.faces[f as usize].nodes();
+            let beside = |[_, id, other]: Key| {
+                let face = topology.faces.get(other as usize);
+                id == corner.id && face.is_some_and(|face| share_node(face.nodes(), nodes))
+            };
+            let touches = &self.touches;
+            let last = touches.normal(key);
+            let last = last.or_else(|| touches.normal_along(foot.normal, beside));
+            let known = last.filter(|last| last.dot(foot.normal).abs() > ALIKE);
+            let side = known.map_or(p - foot.point, |last| -last);
+            foot.normal * 1.0_f64.copysign(foot.normal.dot(side))
+        };
+        if !can_push(cone, -outward) {
+            return (apart, None);
+        }
+        let met = self.over(
+            (corner.id, p),
+            (f, &patch),
+            (&foot, outward),
+            self.deepest_point(),
+        );
+        (apart, met)
+    }
+
+    /// Adds the row of an edge and one of the `edges` of the target that cross, and returns how far they are from each other, or less \[m\].
+    pub(super) fn meet_edge(&mut self, e: u32, edge: &Edge, edges: &[Edge]) -> f64 {
+        let nodes = self.site.side.topology.edges[e as usize];
+        let corners = self.ends(&nodes);
+        let across = (corners[1] - corners[0]).cross(edge.along());
+        let across = across.normalize_or_zero();
+        let apart =
+            segments_apart(corners, edge.ends).max((corners[0] - edge.ends[0]).dot(across).abs());
+        let key = [e, edge.id, 0];
+        let touched = self.touches.touched(key);
+        if apart > self.near && !touched {
+            return apart;
+        }
+        // A line has no inside that would tell a node beside it to take over: edges overlap at their ends.
+        let overlap = BORDER * self.site.reach.touching;
+        let Some([t, s]) = crossing(corners, edge.ends, overlap) else {
+            return apart;
+        };
+        let way = corners[0].lerp(corners[1], t) - edge.ends[0].lerp(edge.ends[1], s);
+        let flanks = self.flanks(e, corners);
+        // What slides on from one edge to the next may be on the wrong side by then: only the one beside it knows.
+        let (side, last) = if self.site.side.topology.closed {
+            (
+                flanks[0].cross(along(corners)) - flanks[1].cross(along(corners)),
+                None,
+            )
+        } else {
+            let beside = |[own, id, _]: Key| {
+                if own == e {
+                    let i = edges.binary_search_by_key(&id, |other| other.id);
+                    i.is_ok_and(|i| edges[i].ends.iter().any(|end| edge.ends.contains(end)))
+                } else {
+                    let own = self.site.side.topology.edges.get(own as usize);
+                    id == edge.id && own.is_some_and(|own| share_node(own, &nodes))
+                }
+            };
+            let last = self.touches.normal(key);
+            let last = last.or_else(|| self.touches.normal_along(across, beside));
+            let last = last.filter(|n| n.dot(across).abs() > ALIKE);
+            (last.unwrap_or(way), last)
+        };
+        let normal = across * 1.0_f64.copysign(across.dot(side));
+        if can_push(&flanks, -normal) && can_push(&edge.flanks(), normal) {
+            let before = self.site.rows.contacts.len();
+            let at = (t, normal, way.dot(normal));
+            let known = touched || last.is_some();
+            self.across((key, known), (&nodes, &corners), at, self.deepest_point());
+            if self.site.rows.contacts.len() > before {
+                // What touches may be deeper next time.
+                return 0.0;
+            }
+        }
+        apart
+    }
+
+    /// The unit directions from an edge into its faces, left and right, square to it; 0 for what is not there.
+    fn flanks(&self, e: u32, [a, b]: [DVec3; 2]) -> [DVec3; 2] {
+        let wings = self.site.side.topology.wings.get(e as usize);
+        let along = along([a, b]);
+        wings.map_or([DVec3::ZERO; 2], |wings| {
+            wings.map(|node| {
+                if node == NONE {
+                    return DVec3::ZERO;
+                }
+                let into = self.frame.to_local(self.site.side.state, node) - a;
+                (into - along * into.dot(along)).normalize_or_zero()
+            })
+        })
+    }
+}
+
+/// Whether two faces or edges have a node in common.
+fn share_node(a: &[u32], b: &[u32]) -> bool {
+    a.iter().any(|node| b.contains(node))
+}
+
+/// The unit direction of an edge.
+fn along([a, b]: [DVec3; 2]) -> DVec3 {
+    (b - a).normalize_or_zero()
+}
