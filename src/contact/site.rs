@@ -4,7 +4,8 @@ use super::target::Frame;
 use crate::body::Binding;
 use crate::body::state::State;
 use crate::body::topology::Topology;
-use crate::math::{DVec3, Real};
+use crate::math::{DVec3, Real, Vector};
+use crate::solve::forces::Force;
 use crate::solve::rows::{RowNode, Rows};
 use crate::solve::shadow::Shadow;
 
@@ -37,6 +38,8 @@ pub struct Side<'a> {
     pub topology: &'a Topology,
     /// What carries them.
     pub carrier: Carrier<'a>,
+    /// Forces within the body at its nodes, when they were last summed.
+    pub(crate) forces: &'a [Force<Real>],
 }
 
 /// What carries the points of a surface: they are nodes, or weighted means of nodes.
@@ -74,6 +77,22 @@ impl Carrier<'_> {
 }
 
 impl Side<'_> {
+    /// What h s of the forces within the body that its nodes had last add to the velocity of a point \[m/s\].
+    pub fn gain(&self, point: u32, h: f64) -> DVec3 {
+        let of = |node: usize| {
+            let force = self.forces.get(node).map_or([0.0; 3], Force::sum);
+            let inv_mass = f64::from(self.carrier.nodes.particles[node].inv_mass);
+            h * inv_mass * Vector::from_array(force).as_dvec3()
+        };
+        match self.carrier.bindings {
+            None => of(point as usize),
+            Some(bindings) => {
+                let parts = bindings[point as usize].parts();
+                parts.map(|(node, part)| part * of(node)).sum()
+            }
+        }
+    }
+
     /// The box around its points in a frame \[m\].
     pub fn bounds(&self, frame: &Frame) -> (DVec3, DVec3) {
         let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);

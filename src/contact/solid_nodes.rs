@@ -98,14 +98,18 @@ impl Making<'_, '_> {
         let mut depth = target.skin - distance;
         let arm = frame.axes * place + (frame.position - site.shadow.com);
         let slip = site.side.state.velocity(i as usize) - site.shadow.velocity_at(arm);
-        if depth < -site.reach.farthest || depth < -site.reach.at(slip.length()) {
+        if depth < -site.reach.farthest {
+            return;
+        }
+        let gain = site.side.gain(i, site.reach.h);
+        if depth < -site.reach.at(slip.length() + gain.length()) {
             return;
         }
         let key = [0, i, 0];
         let last = self.touches.last(key);
         let fresh = last.is_none_or(|(before, _)| normal.dot(before) < SAME);
         if fresh && depth < site.reach.touching {
-            let motion = frame.axes.transpose() * slip * site.reach.h;
+            let motion = frame.axes.transpose() * (slip + gain) * site.reach.h;
             if misses(solid, place, motion, -depth, normal, &site.reach) {
                 return;
             }

@@ -135,13 +135,15 @@ impl SoupNodes {
             let place = frame.to_local(site.side.state, i);
             let arm = frame.axes * place + (frame.position - site.shadow.com);
             let slip = site.side.state.velocity(i as usize) - site.shadow.velocity_at(arm);
+            let gain = site.side.gain(i, site.reach.h).length();
+            let reach = site.reach.at(slip.length() + gain).min(site.reach.farthest);
             soup::touches(
                 self.facets.near(index),
                 place,
                 frame.axes.transpose() * slip * site.reach.h,
                 *side,
                 target.skin,
-                site.reach.at(slip.length()),
+                reach,
                 &mut found,
             );
             *side = found.anchor;

@@ -25,6 +25,19 @@ pub(crate) struct Force<S> {
     pub damping: Lanes<S>,
 }
 
+impl<S: Scalar> Force<S> {
+    /// Elastic and damping force.
+    #[inline(always)]
+    pub fn sum(&self) -> [S; 3] {
+        [0, 1, 2].map(|k| self.elastic[k] + self.damping[k])
+    }
+
+    /// Makes both so many times as large.
+    pub fn scale(&mut self, by: S) {
+        (self.elastic, self.damping) = (scale(self.elastic, by), scale(self.damping, by));
+    }
+}
+
 /// What happened in a pass.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Happened {

@@ -8,7 +8,7 @@ use super::external::{External, ForceField};
 use super::fem::Part;
 use super::forces::{Force, LimitEvent, dot, spring_forces, three};
 use super::integrate::Integrator;
-use super::kernel::{Kernel, Totals};
+use super::kernel::{self, Kernel, Totals, of_f32, of_f32_mut};
 use super::springs::{Rows, SpringTable};
 use super::threads;
 use super::work::Work;
@@ -43,6 +43,8 @@ pub struct Solver<S> {
     pub work: Work,
     /// Simulated time \[s\].
     pub time: f64,
+    /// How long the last substep was \[s\], if nothing has been changed by hand since, for symplectic Euler.
+    pub(crate) last_substep: Option<f64>,
     /// One for each node, and one more that means nothing.
     pub(crate) forces: Vec<Force<S>>,
     /// Sum of node forces and field at each node; empty when there are none.
@@ -115,6 +117,16 @@ impl<S: Scalar> Solver<S> {
     /// is always there.
     pub fn settle(&mut self, state: &mut State<S>) {
         self.table.settle(state);
+    }
+
+    /// Makes the table of springs that the first substep would make.
+    pub(crate) fn make_ready(&mut self, state: &State<S>) {
+        if let (Some(table), Some(state)) = (
+            of_f32_mut::<_, SpringTable<f32>>(&mut self.table),
+            of_f32(state),
+        ) {
+            kernel::make_rows(self.kernel, table, state);
+        }
     }
 
     /// Moves the body freely over h s.

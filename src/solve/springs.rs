@@ -41,7 +41,7 @@ pub(crate) struct SpringTable<S> {
 /// The same springs by rows for the kernels, which are for `f32`.
 #[derive(Clone, Debug, Default)]
 pub(crate) enum Rows {
-    /// To be made when they are needed, so that a body may be edited often before it moves.
+    /// To be made when they are needed, so that a body may be edited often before it moves. A new body has them at once.
     #[default]
     Later,
     Made(Box<Sell>),

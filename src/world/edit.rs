@@ -16,6 +16,7 @@ impl Deformable {
         self.solver.settle(&mut self.state);
         let before = self.energies().balance();
         self.moved_out.clear();
+        self.solver.last_substep = None;
         let result = change(self);
         self.cache.forget();
         let after = self.energies().balance();

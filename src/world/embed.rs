@@ -60,8 +60,10 @@ impl Deformable {
             topology,
             embedded,
             slots,
+            solver,
             ..
         } = self;
+        let forces = &solver.forces[..];
         let carrier = |bindings| Carrier {
             body,
             nodes: state,
@@ -72,6 +74,7 @@ impl Deformable {
                 state,
                 topology,
                 carrier: carrier(None),
+                forces,
             },
             Some(e) => {
                 let Embedded {
@@ -81,6 +84,7 @@ impl Deformable {
                     state,
                     topology,
                     carrier: carrier(Some(&e.bindings)),
+                    forces,
                 }
             }
         };

@@ -177,6 +177,8 @@ impl DeformableWorld {
             return Err(BuildError::Empty);
         }
         body.check_budget()?;
+        body.solver.kernel = self.params.kernel;
+        body.solver.make_ready(&body.state);
         Ok(DeformableHandle(self.bodies.insert(Box::new(body))))
     }
 

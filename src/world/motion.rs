@@ -63,6 +63,7 @@ impl Deformable {
             ..
         } = self;
         solver.predict(state, integrator, h, field.as_deref());
+        solver.last_substep = Some(h);
     }
 
     /// The velocity by which a node has moved in the free motion \[m/s\].
@@ -121,6 +122,7 @@ impl Deformable {
     /// Ends a step of the world: led nodes stand at their targets, one-step forces are gone.
     pub(super) fn end_frame(&mut self) {
         self.cache.forget();
+        self.solver.last_substep = None;
         let led = std::mem::take(&mut self.led);
         if self.is_enabled() {
             for (node, target) in led {
@@ -150,6 +152,7 @@ impl Deformable {
         self.solver.work = self.work_backup;
         self.links = self.links_backup;
         self.solver.events.clear();
+        self.solver.last_substep = None;
         self.start.restored = false;
         self.moved = 0.0;
         self.edits += 1;

@@ -18,6 +18,8 @@ use crate::solve::forces::{Happened, LimitEvent};
 /// What springs at their limits read and write in a pass.
 pub struct Limited<'a> {
     pub limits: Span<'a>,
+    /// Whether the nodes beside regular slices have velocities in the mirror.
+    pub velocities: bool,
     pub book: Book<'a>,
     /// Time since the last commit \[s\]; none where nothing is to be written.
     pub commit: Option<f32>,
@@ -45,9 +47,10 @@ pub struct Outcome {
 
 impl<'a> Limited<'a> {
     /// The whole of a body.
-    pub fn new(limits: Span<'a>, book: Book<'a>, commit: Option<f32>) -> Self {
+    pub fn new(limits: Span<'a>, velocities: bool, book: Book<'a>, commit: Option<f32>) -> Self {
         Self {
             limits,
+            velocities,
             book,
             commit,
             plastic: [0.0; LANES],
@@ -67,7 +70,7 @@ impl<'a> Limited<'a> {
         };
         let [limits, others] = self.limits.cut(slice, slot);
         let [log, rest] = log.cut(at);
-        let of = |limits, log| Self::new(limits, Book::Log(log), self.commit);
+        let of = |limits, log| Self::new(limits, self.velocities, Book::Log(log), self.commit);
         [Some(of(limits, log)), Some(of(others, rest))]
     }
 
@@ -104,26 +107,52 @@ impl Limited<'_> {
         (slice, part): (usize, usize),
         nodes: Nodes<V>,
     ) -> Nodes<V> {
-        let limits = &self.limits;
-        if !limits.is_busy(slice, part) {
-            let (sums, within) = if limits.is_untouched(slice) {
-                let rule = Untouched {
-                    rest: table.rests(),
-                    slacks: limits.slacks,
-                };
-                let slots = table.regular_slots(slice, runs);
-                add_springs::<V, _, _, DAMPED>(table, slots, part, nodes, &rule)
-            } else {
-                let rule = limits.rule();
-                add_springs::<V, _, _, DAMPED>(table, table.slots(slice), part, nodes, &rule)
+        let place = (slice, part);
+        if self.limits.is_untouched(slice) {
+            let rule = Untouched {
+                rest: table.rests(),
+                slacks: self.limits.slacks,
             };
+            let slots = table.regular_slots(slice, runs);
+            let (sums, within) = add_springs::<V, _, _, DAMPED>(table, slots, part, nodes, &rule);
             if within {
                 return sums;
             }
         }
-        V::aside(AtLimits::<V, DAMPED> {
+        if self.velocities && table.is_regular(slice) {
+            let slots = || table.regular_slots(slice, runs);
+            self.add_touched::<V, _, _, DAMPED>(table, place, slots, nodes)
+        } else {
+            let slots = || table.slots(slice);
+            self.add_touched::<V, _, _, DAMPED>(table, place, slots, nodes)
+        }
+    }
+
+    /// The same where rest lengths and ranges are those of slots.
+    #[inline(always)]
+    fn add_touched<V, E, I, const DAMPED: bool>(
+        &mut self,
+        table: &Table,
+        (slice, part): (usize, usize),
+        slots: impl Fn() -> I,
+        nodes: Nodes<V>,
+    ) -> Nodes<V>
+    where
+        V: Vector,
+        E: End<V>,
+        I: Iterator<Item = (usize, E, usize)>,
+    {
+        if !self.limits.is_untouched(slice) && !self.limits.is_busy(slice, part) {
+            let rule = self.limits.rule();
+            let (sums, within) = add_springs::<V, _, _, DAMPED>(table, slots(), part, nodes, &rule);
+            if within {
+                return sums;
+            }
+        }
+        V::aside(AtLimits::<V, _, DAMPED> {
             limited: self,
             table,
+            slots: slots(),
             slice,
             part,
             nodes,
@@ -132,15 +161,21 @@ impl Limited<'_> {
 }
 
 /// A part of a slice of which a spring may be at a limit.
-struct AtLimits<'a, 'b, V, const DAMPED: bool> {
+struct AtLimits<'a, 'b, V, I, const DAMPED: bool> {
     limited: &'a mut Limited<'b>,
     table: &'a Table<'a>,
+    slots: I,
     slice: usize,
     part: usize,
     nodes: Nodes<V>,
 }
 
-impl<V: Vector, const DAMPED: bool> Aside<V> for AtLimits<'_, '_, V, DAMPED> {
+impl<V, E, I, const DAMPED: bool> Aside<V> for AtLimits<'_, '_, V, I, DAMPED>
+where
+    V: Vector,
+    E: End<V>,
+    I: Iterator<Item = (usize, E, usize)>,
+{
     type Output = Nodes<V>;
 
     #[inline(always)]
@@ -152,15 +187,21 @@ impl<V: Vector, const DAMPED: bool> Aside<V> for AtLimits<'_, '_, V, DAMPED> {
     }
 }
 
-impl<V: Vector, const DAMPED: bool> AtLimits<'_, '_, V, DAMPED> {
+impl<V, E, I, const DAMPED: bool> AtLimits<'_, '_, V, I, DAMPED>
+where
+    V: Vector,
+    E: End<V>,
+    I: Iterator<Item = (usize, E, usize)>,
+{
     /// Forces in the midst of a substep: nothing is written.
     #[inline(always)]
     fn try_out(self) -> Nodes<V> {
         let (part, mut nodes) = (self.part, self.nodes);
         let limits = &self.limited.limits;
-        for (slot, far, which) in self.table.slots(self.slice) {
-            let trial = Trial::new(nodes.at, &far, part, V::load(limits.rest(slot), part));
+        for (slot, far, which) in self.slots {
             let stiffness = self.table.stiffness(which, part);
+            let trial = Trial::new(nodes.at, &far, part, V::load(limits.rest(slot), part))
+                .without_strays::<E>(stiffness);
             let law = limits.palette.bounds(slot, part, stiffness);
             let flow = V::load(limits.flow(slot), part);
             let mapped = plastic::return_map(stiffness, trial.elongation, flow, &law.yields);
@@ -179,6 +220,7 @@ impl<V: Vector, const DAMPED: bool> AtLimits<'_, '_, V, DAMPED> {
         let Self {
             limited,
             table,
+            slots,
             slice,
             part,
             mut nodes,
@@ -196,10 +238,10 @@ impl<V: Vector, const DAMPED: bool> AtLimits<'_, '_, V, DAMPED> {
             book: &mut limited.book,
         };
         let memory = limited.limits.memory(table.range(slice));
-        for ((slot, far, which), (rest, flow, set)) in table.slots(slice).zip(memory) {
+        for ((slot, far, which), (rest, flow, set)) in slots.zip(memory) {
             let [old_rest, old_flow] = [V::load(rest, part), V::load(flow, part)];
-            let trial = Trial::new(nodes.at, &far, part, old_rest);
             let stiffness = table.stiffness(which, part);
+            let trial = Trial::new(nodes.at, &far, part, old_rest).without_strays::<E>(stiffness);
             let law = palette.bounds_of(set, part, stiffness);
             let mapped = plastic::return_map(stiffness, trial.elongation, old_flow, &law.yields);
             let amount = mapped.flow.abs();

@@ -35,9 +35,10 @@ impl Mirror {
         (self.margin + LANES * slice).wrapping_add_signed(step as isize)
     }
 
-    /// What copies all nodes.
-    pub fn copying<'a>(&'a mut self, table: Table<'a>) -> Copying<'a> {
+    /// What copies the places of all nodes, and their velocities if wanted.
+    pub fn copying<'a>(&'a mut self, table: Table<'a>, velocities: bool) -> Copying<'a> {
         Copying {
+            velocities,
             slices: 0..table.slices(),
             margin: self.margin,
             columns: self.columns.span(),
@@ -52,6 +53,7 @@ pub struct Copying<'a> {
     slices: Range<usize>,
     margin: usize,
     columns: Span<'a>,
+    velocities: bool,
 }
 
 impl Work for Copying<'_> {
@@ -76,7 +78,7 @@ impl Pass for Copying<'_> {
 
     #[inline(always)]
     fn run<V: Vector>(self) {
-        if self.table.is_damped() {
+        if self.velocities {
             self.copy::<V, true>();
         } else {
             self.copy::<V, false>();
@@ -86,7 +88,7 @@ impl Pass for Copying<'_> {
 
 impl Copying<'_> {
     #[inline(always)]
-    fn copy<V: Vector, const DAMPED: bool>(mut self) {
+    fn copy<V: Vector, const VELOCITIES: bool>(mut self) {
         let together = self.table.together();
         for slice in self.slices.clone() {
             for part in 0..LANES / V::LANES {
@@ -97,26 +99,28 @@ impl Copying<'_> {
                         [Half::First, Half::Second].map(|half| own.columns::<V>(part, half))
                     }
                 };
-                self.put::<V, DAMPED>((slice, part), columns);
+                self.put::<V, VELOCITIES>((slice, part), columns);
             }
         }
     }
 
     #[inline(always)]
-    fn put<V: Vector, const DAMPED: bool>(
+    fn put<V: Vector, const VELOCITIES: bool>(
         &mut self,
         (slice, part): (usize, usize),
         [[x, y, z, _], [u, v, w, _]]: [[V; 4]; 2],
     ) {
         let first = self.margin + LANES * slice + part * V::LANES;
         self.columns.put(first, Three::First, [x, y, z]);
-        if DAMPED {
+        if VELOCITIES {
             self.columns.put(first, Three::Second, [u, v, w]);
         }
     }
 }
 
 impl<V: Vector> End<V> for Run<'_> {
+    const STRAYS: bool = true;
+
     #[inline(always)]
     fn place(&self, part: usize) -> [V; 3] {
         self.three(Three::First, part)

@@ -32,7 +32,7 @@ mod tests;
 mod vector;
 
 pub(crate) use integrate::{Totals, symplectic_euler};
-pub(crate) use pass::spring_forces;
+pub(crate) use pass::{make_rows, spring_forces};
 pub(crate) use rates::rates;
 pub(crate) use sell::Sell;
 pub(crate) use vector::{Half, Pass, Places, Vector, put_four, run};

@@ -11,6 +11,13 @@ use crate::solve::forces::{Force, Happened, LimitEvent};
 use crate::solve::springs::{Rows, SpringTable};
 use crate::solve::threads::{self, BLOCK, Work, parts, share};
 
+/// Makes the rows of a body that is going to be moved, where they are wanted.
+pub(crate) fn make_rows(kernel: Kernel, table: &mut SpringTable<f32>, state: &State<f32>) {
+    if Width::of(kernel) != Width::Portable {
+        table.make_rows(state);
+    }
+}
+
 /// Writes the force of all springs, and of drag D \[N·s/m\], on every node. `None` where the scalar pass is to do it: it is
 /// faster than four lanes, and some bodies have no table.
 pub(crate) fn spring_forces(
@@ -38,8 +45,12 @@ pub(crate) fn spring_forces(
     } = &mut **sell;
     let parts = parts(layout.which.len() * LANES / 2);
     let nodes = Table::of(layout, &state.particles)?;
-    if !mirror.columns.is_empty() {
-        share(mirror.copying(nodes), parts, &|copying| {
+    let touched = limits
+        .as_ref()
+        .is_some_and(|l| l.any_touched(&layout.regular));
+    let velocities = nodes.is_damped() || touched;
+    if layout.regular.contains(&true) {
+        share(mirror.copying(nodes, velocities), parts, &|copying| {
             run(kernel, copying)
         });
     }
@@ -54,7 +65,7 @@ pub(crate) fn spring_forces(
         } else {
             Book::Events(events)
         };
-        Limited::new(limits.span(Width::of(kernel)), book, commit)
+        Limited::new(limits.span(Width::of(kernel)), velocities, book, commit)
     });
     let springs = Springs {
         table: nodes,
@@ -290,6 +301,20 @@ impl<V: Vector> Trial<V> {
             elongation: length - rest,
         }
     }
+
+    /// The same, with neither length nor elongation in lanes that have no spring, and so no stiffness.
+    #[inline(always)]
+    pub fn without_strays<E: End<V>>(self, stiffness: V) -> Self {
+        if !E::STRAYS {
+            return self;
+        }
+        let held = |x| V::above(stiffness, V::ZERO, x, V::ZERO);
+        Self {
+            length: held(self.length),
+            elongation: held(self.elongation),
+            ..self
+        }
+    }
 }
 
 impl<V: Vector> Nodes<V> {
@@ -351,8 +376,12 @@ pub(super) fn add_springs<V: Vector, E: End<V>, R: Rule<V>, const DAMPED: bool>(
     let mut within = V::ONE;
     for (slot, far, which) in slots {
         let rest = rule.rest(slot, which, part);
-        let trial = Trial::new(nodes.at, &far, part, rest);
-        let tension = spring::tension(table.stiffness(which, part), trial.elongation);
+        let stiffness = table.stiffness(which, part);
+        let mut trial = Trial::new(nodes.at, &far, part, rest);
+        if R::ASKS_ALL {
+            trial = trial.without_strays::<E>(stiffness);
+        }
+        let tension = spring::tension(stiffness, trial.elongation);
         within = rule.keep(within, trial.elongation, rest, (slot, which, part));
         nodes.pull(&trial, tension);
         if DAMPED {

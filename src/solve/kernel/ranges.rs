@@ -102,6 +102,12 @@ impl Range {
 }
 
 impl Limits {
+    /// Whether any of the regular slices is not what it was at first. Only then are the velocities of nodes beside them asked for.
+    pub fn any_touched(&self, regular: &[bool]) -> bool {
+        let mut slices = self.untouched.iter().zip(regular);
+        slices.any(|(untouched, regular)| *regular && !*untouched)
+    }
+
     /// All of them, for a pass of this width.
     pub fn span(&mut self, width: Width) -> Span<'_> {
         if self.width.replace(width) != Some(width) {

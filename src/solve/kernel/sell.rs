@@ -217,6 +217,13 @@ impl Builder<'_> {
             .out
             .push(std::array::from_fn(|l| node(l, layout.nodes)));
         let whole = |&(spring, _): &(u32, u32)| !self.state.broken[spring as usize];
+        // By its stiffness is a spring with limits told from none in a regular slice.
+        let tells = |end: &(u32, u32)| {
+            let stiffness = self.links[end.0 as usize].stiffness;
+            whole(end) && (self.table.is_empty() || stiffness > 0.0)
+        };
+        let mut ends = nodes.iter().flat_map(|&n| self.adjacency.at(n));
+        let steps = steps.map(|steps| steps.filter(|_| ends.all(tells)));
         let mut untouched = false;
         match steps {
             Some(Some(steps)) => {
@@ -225,14 +232,13 @@ impl Builder<'_> {
                         let node = *nodes.get(lane)?;
                         let mut ends = self.adjacency.at(node).iter();
                         let other = (node as i32).wrapping_add(step) as u32;
-                        ends.find(|(_, o)| *o == other).copied().filter(whole)
+                        ends.find(|(_, o)| *o == other).copied()
                     };
                     let ends = std::array::from_fn(at);
                     self.push_slot(sell, nodes, &ends, true);
                     sell.layout.starts.push(sell.mirror.start(slice, step));
                 }
-                let flows =
-                    |end: &(u32, u32)| self.state.flow[end.0 as usize] != 0.0 || !whole(end);
+                let flows = |end: &(u32, u32)| self.state.flow[end.0 as usize] != 0.0;
                 let mut ends = nodes.iter().flat_map(|&n| self.adjacency.at(n));
                 untouched = !ends.any(flows);
             }

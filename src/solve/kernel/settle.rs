@@ -48,6 +48,9 @@ impl Sell {
             let slice = self.layout.rows[ends[0] as usize] as usize / LANES;
             limits.busy[slice] = [CALM; 4];
             limits.untouched[slice] = false;
+            if let Some(regular) = self.layout.regular.get_mut(slice) {
+                *regular = false;
+            }
         }
     }
 }

@@ -16,6 +16,8 @@ pub struct Table<'a> {
 
 /// The nodes at the other ends of a slot.
 pub trait End<V> {
+    /// Whether a lane without a spring has another node there than its own, which has nothing to do with it.
+    const STRAYS: bool;
     /// Where they are \[m\].
     fn place(&self, part: usize) -> [V; 3];
     /// Their velocities \[m/s\].
@@ -23,6 +25,8 @@ pub trait End<V> {
 }
 
 impl<V: Vector> End<V> for Slot<'_, Particle<f32>> {
+    const STRAYS: bool = false;
+
     #[inline(always)]
     fn place(&self, part: usize) -> [V; 3] {
         let [x, y, z, _] = self.columns(part, Half::First);
@@ -40,6 +44,8 @@ impl<V: Vector> End<V> for Slot<'_, Particle<f32>> {
 pub trait Rule<V> {
     /// Whether there is anything to ask.
     const LIMITED: bool;
+    /// Whether it asks of lanes without a spring what it asks of the others.
+    const ASKS_ALL: bool;
     /// Rest length \[m\].
     fn rest(&self, slot: usize, which: usize, part: usize) -> V;
     /// What was `within`, or 0 for elongations out of range.
@@ -52,6 +58,7 @@ pub struct Free<'a>(pub &'a [Wide]);
 
 impl<V: Vector> Rule<V> for Free<'_> {
     const LIMITED: bool = false;
+    const ASKS_ALL: bool = false;
 
     #[inline(always)]
     fn rest(&self, _: usize, which: usize, part: usize) -> V {
@@ -74,6 +81,7 @@ pub struct BySlot<'a> {
 
 impl<V: Vector> Rule<V> for BySlot<'_> {
     const LIMITED: bool = true;
+    const ASKS_ALL: bool = true;
 
     #[inline(always)]
     fn rest(&self, slot: usize, _: usize, part: usize) -> V {
@@ -96,6 +104,7 @@ pub struct Untouched<'a> {
 
 impl<V: Vector> Rule<V> for Untouched<'_> {
     const LIMITED: bool = true;
+    const ASKS_ALL: bool = false;
 
     #[inline(always)]
     fn rest(&self, _: usize, which: usize, part: usize) -> V {

@@ -130,10 +130,10 @@ fn a_lattice_goes_on_by_steps_where_nothing_has_happened() {
             continue;
         }
         let (slices, regular, untouched) = slices_of(&solver);
-        assert_eq!(slices, regular);
+        // Where springs have flowed it still goes by steps, where some broke it does not.
         assert!(
-            untouched > slices / 4 && untouched < slices,
-            "{untouched} of {slices}"
+            untouched > slices / 4 && untouched <= regular && regular < slices,
+            "{untouched} untouched, {regular} regular of {slices}"
         );
     }
     // Numbered at random it has no steps.

@@ -29,11 +29,6 @@ impl Columns {
         }
     }
 
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.length == 0
-    }
-
     /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.numbers[..])
