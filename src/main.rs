@@ -13,7 +13,7 @@ use std::process::ExitCode;
 #[derive(Parser)]
 #[command(version, about)]
 struct Arguments {
-    /// How many threads compute; as many as the machine has, if it is not said. Results don't depend on it.
+    /// How many threads compute, by default as many as the machine has. Results don't depend on it.
     #[arg(long, global = true, value_name = "N")]
     threads: Option<std::num::NonZeroUsize>,
     #[command(subcommand)]

@@ -36,7 +36,7 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     let mut problems = Vec::new();
     for file in &arguments.files {
         match Scenario::load(file, &options) {
-            Ok(_) => println!("{}: ok", file.display()),
+            Ok(_) => say_line!("{}: ok", file.display()),
             Err(error) => problems.push(error.to_string()),
         }
     }
@@ -65,7 +65,7 @@ pub fn test(arguments: &TestArguments) -> Result<(), Failure> {
         let start = Instant::now();
         let outcome = match Scenario::load(path, &options) {
             Ok(scene) if scene.slow && !arguments.slow => {
-                println!("{name}: left out, it is slow");
+                say_line!("{name}: left out, it is slow");
                 continue;
             }
             Ok(scene) => scene.run().map_err(|e| e.to_string()),
@@ -74,19 +74,19 @@ pub fn test(arguments: &TestArguments) -> Result<(), Failure> {
         match outcome {
             Ok(outcome) if outcome.passed() => {
                 passed += 1;
-                println!("{name}: ok, {:.1} s", start.elapsed().as_secs_f64());
+                say_line!("{name}: ok, {:.1} s", start.elapsed().as_secs_f64());
             }
             Ok(outcome) => {
                 failed += 1;
-                println!("{name}: FAILED\n{outcome}");
+                say_line!("{name}: FAILED\n{outcome}");
             }
             Err(what) => {
                 wrong += 1;
-                println!("{name}: FAILED\n{what}\n");
+                say_line!("{name}: FAILED\n{what}\n");
             }
         }
     }
-    println!("{passed} passed, {failed} failed, {wrong} can't be run");
+    say_line!("{passed} passed, {failed} failed, {wrong} can't be run");
     match (failed, wrong) {
         (0, 0) => Ok(()),
         _ => Err(Failure::Expectation),

@@ -22,7 +22,7 @@ pub fn print(of: Option<&str>) -> Result<(), Failure> {
         )));
     }
     for entry in chosen {
-        println!("{}", line(entry));
+        say_line!("{}", line(entry));
     }
     Ok(())
 }

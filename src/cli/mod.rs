@@ -1,5 +1,7 @@
 //! The commands.
 
+#[macro_use]
+mod say;
 pub mod check;
 pub mod keys;
 pub mod run;
@@ -67,11 +69,11 @@ pub fn chain(error: &dyn std::error::Error) -> String {
 
 pub fn list() {
     for scene in scenario::all() {
-        println!("{:18} {}", scene.name, scene.about);
+        say_line!("{:18} {}", scene.name, scene.about);
     }
     for name in embedded_names().filter(|n| scenario::find(n).is_err()) {
         if let Ok(scene) = Scenario::embedded(name, &LoadOptions::default()) {
-            println!("{name:18} {}", scene.about);
+            say_line!("{name:18} {}", scene.about);
         }
     }
 }

@@ -3,6 +3,7 @@
 use super::write::{draw_energies, draw_pictures, write_channels};
 use super::{Failure, SceneArguments, failed, make_writable, progress, scene};
 use crumple::report::{Table, charts};
+use crumple::scenario::file::LoadError;
 use crumple::scenario::{self, Figures, Options, Run, Scene, UnknownScene};
 use std::path::{Path, PathBuf};
 
@@ -14,7 +15,7 @@ pub struct RunArguments {
     /// Where to write; out/NAME by default.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Step of the world.
+    /// Step of the world. This and the next three are variables of scene files that have such ones.
     #[arg(long, value_name = "SECONDS")]
     dt: Option<f64>,
     /// Simulated time.
@@ -48,6 +49,20 @@ impl RunArguments {
             .filter_map(|(n, x)| Some((n.into(), x?)));
         given.collect()
     }
+
+    /// An error about a variable that was typed as an option, in the words of that.
+    fn as_typed(&self, error: LoadError) -> Failure {
+        let text = error.to_string();
+        let named = |(name, _): &(String, f64)| text.contains(&format!("--set {name}:"));
+        match self.as_variables().into_iter().find(named) {
+            None => error.into(),
+            Some((name, _)) => {
+                let text = text.replace(&format!("--set {name}:"), &format!("--{name}:"));
+                let what = "of a scene file it is another value of the variable of that name";
+                Failure::Wrong(format!("{}; {what}", text.trim_end()))
+            }
+        }
+    }
 }
 
 /// Built-in scenes go by their names; a name with `--set` or `--seed`, and every path, is a scene file.
@@ -60,7 +75,8 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let mut options = arguments.scene.options();
     options.set.extend(arguments.as_variables());
     match arguments.scene.load(&options) {
-        Some(loaded) => scene::run(&loaded?, arguments),
+        Some(Ok(loaded)) => scene::run(&loaded, arguments),
+        Some(Err(error)) => Err(arguments.as_typed(error)),
         None => Err(unknown(name).into()),
     }
 }
@@ -104,10 +120,10 @@ fn built_in(scene: &Scene, arguments: &RunArguments) -> Result<(), Failure> {
     }
     write_summary(scene, &run, &figures, &out)?;
     let rows = figures.0.iter().map(|f| (f.label, f.value, f.unit));
-    print!("{}", rows.collect::<Table>());
+    say!("{}", rows.collect::<Table>());
     let (hash, kernel) = (run.deformables.state_hash(), run.deformables.params.kernel);
-    println!("state {hash:016x}, kernel {}", kernel.name());
-    println!("written to {}", out.display());
+    say_line!("state {hash:016x}, kernel {}", kernel.name());
+    say_line!("written to {}", out.display());
     Ok(())
 }
 

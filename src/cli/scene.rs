@@ -28,9 +28,12 @@ pub fn run(scene: &Scenario, arguments: &RunArguments) -> Result<(), Failure> {
         draw_pictures(&outcome.run.run, &out)?;
     }
     write_summary(name, &outcome, &out)?;
-    print!("{outcome}");
-    println!("state {}, kernel {}", outcome.state_hash, outcome.kernel);
-    println!("written to {}", out.display());
+    say!("{outcome}");
+    if outcome.checks.is_empty() {
+        say_line!("the scene expects nothing: nothing was checked");
+    }
+    say_line!("state {}, kernel {}", outcome.state_hash, outcome.kernel);
+    say_line!("written to {}", out.display());
     match outcome.passed() {
         true => Ok(()),
         false => Err(Failure::Expectation),

@@ -34,10 +34,10 @@ pub fn speed(arguments: &SpeedArguments) -> Result<(), Failure> {
 }
 
 fn print(speed: &Speed) {
-    println!("{}, {}", speed.cpu, speed.kernel);
-    println!("\nmillion spring updates per second, one thread, integration included");
+    say_line!("{}, {}", speed.cpu, speed.kernel);
+    say_line!("\nmillion spring updates per second, one thread, integration included");
     for r in &speed.kernels {
-        println!(
+        say_line!(
             "  {:20}{:17}{:14}{:7.0}  {:5.2} × scalar loop  {:5.2} × plain",
             r.body,
             r.material,
@@ -48,16 +48,16 @@ fn print(speed: &Speed) {
         );
     }
     for r in &speed.whole_steps {
-        println!(
+        say_line!(
             "  {:51}{:7.0}  {:5.2} × its force loop",
             format!("whole steps of the scene {}", r.scene),
             1e-6 * r.updates_per_s,
             r.share,
         );
     }
-    println!("\nms per step of 1/60 s, crumple and Rapier's own soft body");
+    say_line!("\nms per step of 1/60 s, crumple and Rapier's own soft body");
     for r in &speed.peers {
-        println!(
+        say_line!(
             "  {:20}{:8} springs {:9.3} {:9.3}  {:5.1} ×   strains {:.2} {:.2}",
             r.scene,
             r.springs,
@@ -70,12 +70,14 @@ fn print(speed: &Speed) {
     }
     let threads = &speed.threads;
     let note = threads.note.map_or(String::new(), |n| format!(": {n}"));
-    println!(
+    say_line!(
         "\n{} threads on a mesh without order of {} springs: {:.2} × one{note}",
-        threads.threads, threads.springs, threads.speedup
+        threads.threads,
+        threads.springs,
+        threads.speedup
     );
     let r = &speed.roofline;
-    println!(
+    say_line!(
         "roofline of a lattice of {} springs: {:.2} of it at {:.0} million updates/s; {:.0} G operations/s over {:.0} each, {:.0} GB/s over {:.0} bytes each",
         r.springs,
         r.share,

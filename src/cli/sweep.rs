@@ -94,7 +94,7 @@ pub fn sweep(arguments: &SweepArguments) -> Result<(), Failure> {
     let axes: Vec<SweepAxis> = axes.collect::<Result<_, _>>()?;
     let total = sweep::variants(&axes)?.len();
     if arguments.count {
-        println!("{total}");
+        say_line!("{total}");
         return Ok(());
     }
     if let Some(only) = arguments.only.as_ref().filter(|only| only.end > total) {
@@ -144,19 +144,19 @@ fn finish(
     if !no_pictures {
         draw(&merged, out)?;
     }
-    print!("{}", table(&merged));
+    say!("{}", table(&merged));
     let passed = merged.variants.iter().filter(|v| v["passed"] == true);
     let (passed, n) = (passed.count(), merged.variants.len());
-    print!("{n} of {} variants, {passed} as expected", merged.total);
+    say!("{n} of {} variants, {passed} as expected", merged.total);
     if let Some(pace) = pace.filter(|p| p.busy_s > 0.0) {
         let (share, s) = (100.0 * pace.busy_share(), pace.wall_s);
-        print!(
+        say!(
             "; {} at once, busy for {share:.1} % of {s:.1} s",
             pace.workers
         );
     }
-    println!();
-    println!("written to {}", out.display());
+    say_line!();
+    say_line!("written to {}", out.display());
     match passed == merged.total {
         true => Ok(()),
         false => Err(Failure::Expectation),

@@ -237,6 +237,13 @@ impl Deformable {
             .collect()
     }
 
+    /// The triangles between [`Self::skin_positions`], counter-clockwise seen from outside: those of the skin, or the faces of the
+    /// nodes where it has none. They stay the same.
+    pub fn skin_triangles(&self) -> &[[u32; 3]] {
+        let skin = self.blueprint.skin.as_ref();
+        skin.map_or(&self.blueprint.faces, |skin| &skin.triangles)
+    }
+
     /// Length of the last substep taken \[s\]; 0 before the first step.
     pub fn substep_length(&self) -> f64 {
         self.h

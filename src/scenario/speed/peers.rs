@@ -122,11 +122,10 @@ fn compare(
 pub fn cloth(sizes: &Sizes) -> Result<PeerRow, SceneError> {
     let n = sizes.cloth;
     let net = sheet(2.0, 2.0, n, n, 1e-3)?;
-    let young = CLOTH_YOUNG;
     let ours = || {
         let held = |x: Vector| x.x < -0.999 && x.z.abs() > 0.999;
         let body = DeformableBuilder::new(net.clone())
-            .material(Material::elastic(young, 1.0).viscosity(young * CLOTH_DAMPING))
+            .material(Material::elastic(CLOTH_YOUNG, 1.0))
             .total_mass(1.0)
             .pin(held);
         Ok(Box::new(Ours::new(PhysicsWorld::default(), &net, body)?) as Box<dyn Scene>)
@@ -144,9 +143,10 @@ pub fn cloth(sizes: &Sizes) -> Result<PeerRow, SceneError> {
     compare("cloth", net.springs.len(), [&ours, &native], sizes, 60)
 }
 
-/// Young's modulus of the cloth \[Pa\], with which it stretches no more than Rapier's, and its damping time \[s\].
+/// Young's modulus of the cloth \[Pa\], with which it stretches no more than Rapier's. It is undamped: nothing needs damping to be
+/// stable, and after a second its nodes are 2.8 mm off those of a run with ten times the substeps, 4.0 mm with a damping time of
+/// 0.1 ms (root mean square).
 const CLOTH_YOUNG: f32 = 2.5e4;
-const CLOTH_DAMPING: f32 = 1.0e-4;
 
 /// A solid of 1 m and 100 kg, about to fall 1 m onto a floor.
 ///
