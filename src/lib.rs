@@ -2,8 +2,38 @@
 //!
 //! A [`DeformableWorld`](world::DeformableWorld) stands beside a Rapier world. Its bodies are [nets](body::Net) of point
 //! masses and springs with constants in N/m, N·s/m and N, advanced in many substeps per step, in two-way contact with
-//! Rapier's colliders, with every force and every joule accounted for. The README shows the shortest example, the scenes
-//! and the limits.
+//! Rapier's colliders, with every force and every joule accounted for. The README shows the scenes and the limits.
+//!
+//! ```
+//! use crumple::prelude::*;
+//! use crumple::rapier3d::prelude::*;
+//!
+//! let mut world = PhysicsWorld::default();
+//! world.insert(RigidBodyBuilder::fixed(), ColliderBuilder::cuboid(5.0, 0.1, 5.0));
+//! let mut deformables = DeformableWorld::default();
+//! let block = DeformableBuilder::new(lattice(Vector::splat(0.4), 0.1)) // m
+//!     .material(Material::rubber())
+//!     .translation(Vector::Y * 0.4);
+//! let block = deformables.insert(block)?;
+//! for _ in 0..60 {
+//!     deformables.step(&mut world); // instead of world.step()
+//! }
+//! assert!((deformables[block].center_of_mass().y - 0.3).abs() < 0.02);
+//! # Ok::<(), BuildError>(())
+//! ```
+//!
+//! | To | see |
+//! |---|---|
+//! | make a body | [`DeformableBuilder`](world::DeformableBuilder), [`shape`], [`Material`](body::Material), [`Solid`](body::Solid) |
+//! | read it, change it, draw it | [`Deformable`](world::Deformable) |
+//! | fix it to others | [`Attachment`](world::Attachment) |
+//! | measure forces, energies, histories | [`Recorder`](record::Recorder), [`Observer`](world::Observer) |
+//! | step beside a loop of one's own | [`RapierParts`](world::RapierParts) |
+//! | advance springs without a world | [`Solver`](solve::Solver) |
+//!
+//! Features, none by default: `import` reads meshes from OBJ, Gmsh and TetGen files, `scenario` has scenes and scene files,
+//! `report` draws pictures and plots, `statics` finds equilibria, `serde-serialize` saves worlds, `parallel` uses threads,
+//! `debug-render` draws lines through Rapier, `native-fem` has Rapier's finite elements for comparisons, `cli` is for the binary.
 #![warn(missing_docs)]
 // Only `solve::kernel::vector` may.
 #![deny(unsafe_code)]
