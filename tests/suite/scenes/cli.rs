@@ -36,8 +36,31 @@ fn the_list_names_every_scene() {
     }
 }
 
+/// Symptom: `crumple list | head -1` ended in a panic.
+#[test]
+fn nobody_need_read_to_the_end() {
+    use std::io::Read;
+    let mut child = Command::new(env!("CARGO_BIN_EXE_crumple"))
+        .arg("keys")
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let mut said = String::new();
+    child
+        .stderr
+        .take()
+        .unwrap()
+        .read_to_string(&mut said)
+        .unwrap();
+    assert!(child.wait().unwrap().success() && said.is_empty(), "{said}");
+}
+
 #[test]
 fn mistakes_are_named() {
+    let options = ["run", "sliding_block", "--duration", "0.1"];
+    fails(&options, &["--duration: there is no variable `duration`"]);
     fails(&["run", "wal"], &["`wal`", "did you mean `wall`?"]);
     fails(&["run", "aeroplane"], &["`aeroplane`", "wall", "drop"]);
     fails(&["run"], &["<NAME>"]);
