@@ -58,7 +58,7 @@ impl RunArguments {
             None => error.into(),
             Some((name, _)) => {
                 let text = text.replace(&format!("--set {name}:"), &format!("--{name}:"));
-                let what = "of a scene file it is another value of the variable of that name";
+                let what = "in a scene file the option sets the variable of its name";
                 Failure::Wrong(format!("{}; {what}", text.trim_end()))
             }
         }

@@ -128,7 +128,7 @@ impl Limited<'_> {
         }
     }
 
-    /// The same where rest lengths and ranges are those of slots.
+    /// The same of a slice that is not untouched, or is not from now on: rest lengths and ranges are those of slots.
     #[inline(always)]
     fn add_touched<V, E, I, const DAMPED: bool>(
         &mut self,
