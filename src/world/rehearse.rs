@@ -9,7 +9,7 @@
 //! What came late could be an early impulse backwards and all the more force, which moves a free body just so. But a body
 //! that has struck the ground before a node that it holds does must do so in Rapier's step too, and not be turned away from
 //! it before: it gets what came late at the end. No contact answers that in this step, so such a split is judged by the
-//! velocity it leaves as well.
+//! velocity it leaves as well, and where that is wrong the early impulse backwards is tried.
 
 use super::RapierParts;
 use super::group::Touched;
@@ -44,6 +44,8 @@ struct Trial {
     last: Option<(Miss, f64)>,
     /// How far the velocity that the mean force leaves leads astray in another step \[kg·m²\].
     by_force: Option<f64>,
+    /// Whether what came late is given at the end, or is an early impulse backwards.
+    late: bool,
     corrects: bool,
 }
 
@@ -79,7 +81,7 @@ impl Group {
             }
         }
         let ends = trials.iter().zip(&self.shadows[1..]);
-        ends.map(|(p, end)| split(p.best.0, end, share)).collect()
+        ends.map(|(p, end)| p.split(p.best.0, end, share)).collect()
     }
 
     /// Where the shadows end if they get their impulses as Rapier's bodies will.
@@ -93,7 +95,7 @@ impl Group {
         let mut shadows = vec![Shadow::FIXED];
         for ((touched, end), trial) in self.touched.iter().zip(&self.shadows[1..]).zip(trials) {
             let mut shadow = touched.start;
-            let Split { early, late } = split(trial.early, end, share);
+            let Split { early, late } = trial.split(trial.early, end, share);
             shadow.take(early.0, early.1);
             let mut rest = Shadow {
                 v: DVec3::ZERO,
@@ -126,7 +128,7 @@ impl Group {
         }
         let given = shadows[1..].iter_mut().zip(trials).zip(&self.shadows[1..]);
         for ((shadow, trial), end) in given {
-            let Split { late, .. } = split(trial.early, end, share);
+            let Split { late, .. } = trial.split(trial.early, end, share);
             shadow.take(late.0, late.1);
         }
         // Joints will pass on what came late; contacts may not be there any more.
@@ -138,23 +140,6 @@ impl Group {
     }
 }
 
-/// The split that moves a free body as an early impulse would, forwards or backwards, with the rest as a force, which
-/// displaces by the `share` of what an impulse does that is given at the start.
-fn split(early: Wrench, end: &Shadow, share: f64) -> Split {
-    let along = early.0.dot(end.inv_mass * end.impulse) + early.1.dot(end.inv_inertia * end.torque);
-    if along >= 0.0 {
-        return Split {
-            early,
-            ..Split::default()
-        };
-    }
-    let by = -(1.0 - share) / share;
-    Split {
-        late: (early.0 * by, early.1 * by),
-        ..Split::default()
-    }
-}
-
 impl Trial {
     fn new(corrects: bool) -> Self {
         Self {
@@ -162,7 +147,26 @@ impl Trial {
             best: (Wrench::default(), f64::INFINITY),
             last: None,
             by_force: None,
+            late: true,
             corrects,
+        }
+    }
+
+    /// The split that moves a free body as an early impulse would, forwards or backwards, with the rest as a force, which
+    /// displaces by the `share` of what an impulse does that is given at the start.
+    fn split(&self, early: Wrench, end: &Shadow, share: f64) -> Split {
+        let (impulse, torque) = (end.inv_mass * end.impulse, end.inv_inertia * end.torque);
+        let along = early.0.dot(impulse) + early.1.dot(torque);
+        if along >= 0.0 || !self.late {
+            return Split {
+                early,
+                ..Split::default()
+            };
+        }
+        let by = -(1.0 - share) / share;
+        Split {
+            late: (early.0 * by, early.1 * by),
+            ..Split::default()
         }
     }
 
@@ -185,7 +189,7 @@ impl Trial {
         let on: Miss = ((end.v - reached.v) * dt, (end.w - reached.w) * dt);
         let on = momentum(end.inv_mass, on.0).dot(on.0) + momentum(end.inv_inertia, on.1).dot(on.1);
         let by_force = *self.by_force.get_or_insert(on);
-        let is_late = split(self.early, end, share).late != Wrench::default();
+        let is_late = self.split(self.early, end, share).late != Wrench::default();
         let astray = if is_late {
             (on - by_force).max(0.0)
         } else {
@@ -193,6 +197,11 @@ impl Trial {
         };
         let all = size + astray;
         if all.is_nan() || all >= self.best.1 {
+            // Impulses that went to and fro, on what hangs on something heavier, were no blow that came late.
+            if is_late && self.best.0 == Wrench::default() {
+                self.late = false;
+                return;
+            }
             self.early = self.best.0;
             self.corrects = false;
             return;
@@ -276,7 +285,7 @@ mod tests {
             (s.early.0 + force * SHARE, s.early.1 + torque * SHARE)
         };
         for (given, late) in [(early, false), (back, true)] {
-            let s = split(given, &end, SHARE);
+            let s = Trial::new(true).split(given, &end, SHARE);
             assert_eq!(s.early == Wrench::default(), late);
             assert_eq!(s.late != Wrench::default(), late);
             let (x, turn) = moved(s);
@@ -306,7 +315,7 @@ mod tests {
         assert_eq!(end.impulse, DVec3::ZERO);
         let mut trial = Trial::new(true);
         for _ in 0..ROUNDS {
-            let Split { early, late } = split(trial.early, &end, SHARE);
+            let Split { early, late } = trial.split(trial.early, &end, SHARE);
             let force = end.impulse - early.0 - late.0;
             let mut reached = start;
             reached.com += reached.inv_mass * (early.0 + force * SHARE) * dt;
