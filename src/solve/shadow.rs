@@ -36,6 +36,8 @@ pub struct Shadow {
     pub lead: f64,
     /// Linear and angular damping \[1/s\].
     pub damping: (f64, f64),
+    /// Angular impulse that it takes once it has moved \[N·m·s\].
+    pub late_torque: DVec3,
     /// Sum of impulses received \[N·s\].
     pub impulse: DVec3,
     /// Sum of angular impulses about the centre of mass \[N·m·s\].
@@ -61,6 +63,7 @@ impl Shadow {
         spin_up: DVec3::ZERO,
         lead: 0.0,
         damping: (0.0, 0.0),
+        late_torque: DVec3::ZERO,
         impulse: DVec3::ZERO,
         torque: DVec3::ZERO,
         shift: (DVec3::ZERO, DVec3::ZERO),
@@ -158,6 +161,8 @@ impl Shadow {
                 self.w = w;
             }
         }
+        self.w += self.inv_inertia * self.late_torque;
+        self.late_torque = DVec3::ZERO;
     }
 }
 

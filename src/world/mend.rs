@@ -27,8 +27,10 @@ impl Group {
                 .checked_sub(1)
                 .is_some_and(|i| matches!(touched[i].answer, Answer::Free | Answer::Constrained))
             {
+                // Not before it has moved: what it takes for the nodes that it holds they share in the next substep. A light
+                // body alone would turn by it, and its nodes be moved all the farther.
                 let shadow = &mut shadows[shadow as usize];
-                shadow.w += shadow.inv_inertia * lost;
+                shadow.late_torque += lost;
                 shadow.torque += lost;
             }
         };

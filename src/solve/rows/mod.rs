@@ -10,6 +10,7 @@
 //! alone. Rows that share a node with rows on that node alone see what those make of it instead, see `squeeze`.
 
 mod climb;
+mod composite;
 mod contact;
 mod joint;
 mod pass;
@@ -24,6 +25,7 @@ use crate::law::row::allowed_velocity;
 use crate::math::{DMat3, DVec3};
 use crate::solve::shadow::Shadow;
 use climb::Attempt;
+use composite::Composites;
 pub use contact::Row;
 pub use joint::JointRow;
 pub use rigid::RigidRow;
@@ -135,6 +137,7 @@ pub struct Rows {
     pub negligible: Negligible,
     squeeze: Squeeze,
     attempt: Attempt,
+    composites: Composites,
     clusters: Clusters,
     worklist: Worklist,
 }

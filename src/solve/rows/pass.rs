@@ -1,6 +1,7 @@
 //! Gauss–Seidel passes over all rows of a group.
 
 use super::climb::Attempt;
+use super::composite::Composites;
 use super::contact::Response;
 use super::points::Points;
 use super::rigid::start_rigid;
@@ -32,11 +33,13 @@ impl Rows {
         } else {
             self.negligible.of_shadows()
         };
+        let points = Points {
+            nodes: &mut self.nodes,
+            terms: &self.terms,
+        };
+        self.composites.start(&points, &mut self.ties, shadows);
         let mut pass = Pass {
-            points: Points {
-                nodes: &mut self.nodes,
-                terms: &self.terms,
-            },
+            points,
             contacts: &mut self.contacts,
             ties: &mut self.ties,
             rigid: &mut self.rigid,
@@ -44,6 +47,7 @@ impl Rows {
             shadows,
             squeeze: &self.squeeze,
             attempt: &mut self.attempt,
+            composites: &mut self.composites,
             worklist: &mut self.worklist,
             squeezed,
             h,
@@ -54,6 +58,7 @@ impl Rows {
         };
         pass.prepare();
         pass.prepare_lifts(self.fastest_lift);
+        pass.solve_composites();
         pass.start_shadows();
         pass.start_warm(&mut self.clusters);
         let most = if self.blow || pass.is_coupled() {
@@ -78,7 +83,9 @@ impl Rows {
                 break;
             }
         }
+        pass.solve_composites();
         pass.book();
+        self.composites.end(shadows);
     }
 
     /// Ends a substep of h s: rigid contacts and joints go on from where their shadows take them.
@@ -110,11 +117,12 @@ pub(super) struct Pass<'a> {
     pub shadows: &'a mut [Shadow],
     pub squeeze: &'a Squeeze,
     pub attempt: &'a mut Attempt,
+    pub composites: &'a mut Composites,
     pub worklist: &'a mut Worklist,
     /// Whether `squeeze` is of these rows.
     squeezed: bool,
     h: f64,
-    settled: Settled,
+    pub settled: Settled,
 }
 
 impl Pass<'_> {
@@ -149,15 +157,15 @@ impl Pass<'_> {
             };
             row.response.mass = inverse(own + row.response.rigid_along(row.normal) + row.softness);
         }
-        for tie in &mut *self.ties {
+        for (i, tie) in self.ties.iter_mut().enumerate() {
             let own = self.points.response(tie.terms) + tie.softness;
             let rigid = self.shadows[tie.shadow as usize].response_matrix(tie.arm);
             let k = DMat3::from_diagonal(DVec3::splat(own)) + rigid;
             tie.give = Give::of(self.points.give(tie.terms), &rigid);
-            tie.mass = if own > 0.0 {
-                k.inverse()
-            } else {
-                pseudo_inverse(k)
+            tie.mass = match self.composites.mass(i, tie, self.shadows) {
+                Some(mass) => mass,
+                None if own > 0.0 => k.inverse(),
+                None => pseudo_inverse(k),
             };
         }
     }
@@ -335,8 +343,11 @@ impl Pass<'_> {
         changed
     }
 
-    /// Solves a tie as if it were the only one; whether it was not settled yet.
+    /// Solves a tie, with those of its composite or else as if it were the only one; whether it was not settled yet.
     pub fn solve_tie(&mut self, i: usize) -> bool {
+        if let Some(composite) = self.composites.of_tie(i) {
+            return self.solve_composite(composite);
+        }
         let error = self.tie_error(i);
         let tie = &mut self.ties[i];
         let shadow = &mut self.shadows[tie.shadow as usize];

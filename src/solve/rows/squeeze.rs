@@ -89,6 +89,7 @@ impl Squeeze {
 impl Pass<'_> {
     /// Solves a row whose nodes have rows of their own.
     pub(super) fn solve_squeezed(&mut self, i: usize) -> bool {
+        self.catch_up_with(i);
         let row = &self.contacts[i];
         if row.normal_impulse == 0.0 && !row.rubs() && self.missed(i) >= 0.0 {
             return false;
@@ -99,14 +100,54 @@ impl Pass<'_> {
         let own = terms.iter().flat_map(|t| squeeze.own(t.node));
         let rows = std::iter::once(i).chain(own.filter(|own| *own != i));
         let ties = terms.iter().filter_map(|t| squeeze.tie(t.node));
+        let ties = ties.filter(|tie| self.composites.of_tie(*tie).is_none());
         attempt.start(self, rows, ties);
         let mut changed = self.press_squeezed(i) | self.rub_squeezed(i);
+        self.answer_as_one(i);
         if attempt.height(self) > 0.0 {
             attempt.undo(self);
-            changed = self.solve_row(i);
+            self.answer_as_one(i);
+            changed = self.solve_alone(i);
         }
         *self.attempt = attempt;
         changed
+    }
+
+    /// Has the nodes of a row follow what was done to the shadows that they are tied to.
+    fn catch_up_with(&mut self, i: usize) {
+        let squeeze = self.squeeze;
+        let terms = self.points.terms;
+        for term in &terms[self.contacts[i].terms.range()] {
+            let tie = squeeze.tie(term.node);
+            if let Some(composite) = tie.and_then(|tie| self.composites.of_tie(tie)) {
+                self.catch_up(composite);
+            }
+        }
+    }
+
+    /// Solves a row as if it were the only one, but for composites, which answer its normal impulse before it rubs.
+    fn solve_alone(&mut self, i: usize) -> bool {
+        let mut changed = self.press(i, self.contacts[i].response.mass);
+        self.answer_as_one(i);
+        let slip = self.slip(i);
+        let mass = self.contacts[i].response.mass_along(slip);
+        if self.contacts[i].rubs() && mass > 0.0 {
+            changed |= self.rub(i, slip, mass);
+            self.answer_as_one(i);
+        }
+        changed
+    }
+
+    /// Lets composites answer what was done to their nodes in a row: whoever asks their shadows next must see it.
+    fn answer_as_one(&mut self, i: usize) {
+        let squeeze = self.squeeze;
+        let terms = self.points.terms;
+        for term in &terms[self.contacts[i].terms.range()] {
+            let tie = squeeze.tie(term.node);
+            if let Some(composite) = tie.and_then(|tie| self.composites.of_tie(tie)) {
+                self.solve_composite(composite);
+            }
+        }
     }
 
     /// The normal impulse. Which own rows will be active, and which of them stick, is known only afterwards, so a row that
@@ -190,8 +231,15 @@ impl Pass<'_> {
             if let Some(tie) = squeeze.tie(term.node) {
                 self.solve_tie(tie);
             }
+            let mut changed = false;
             for own in squeeze.own(term.node).filter(|own| *own != i) {
-                self.solve_row(own);
+                changed |= self.solve_row(own);
+            }
+            if changed
+                && let Some(tie) = squeeze.tie(term.node)
+                && self.composites.of_tie(tie).is_some()
+            {
+                self.solve_tie(tie);
             }
         }
     }

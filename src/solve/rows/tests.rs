@@ -1,3 +1,4 @@
+mod composite;
 mod energy;
 
 use super::*;
@@ -214,14 +215,10 @@ fn a_node_on_two_tiles_slides_as_on_one() {
     assert!((sum - 2.0).abs() < 1e-9, "{sum}");
 }
 
-/// A node of 10 g on the fixed world, pinned to a body of 10 kg that moves at `v`, with what holds the body beside it.
-fn pinned(depth: f64, v: DVec3, moves: f64) -> (Rows, [Shadow; 2]) {
-    let mut rows = rows(0.0, depth, DVec3::ZERO, v);
-    rows.nodes[0].inv_mass = 100.0;
-    rows.fastest_lift = 0.3;
-    let terms = rows.contacts[0].terms;
-    rows.ties.push(Tie {
-        terms,
+/// A tie at the centre of the second shadow.
+fn tie() -> Tie {
+    Tie {
+        terms: Terms::default(),
         shadow: 1,
         attachment: 0,
         between: false,
@@ -234,7 +231,16 @@ fn pinned(depth: f64, v: DVec3, moves: f64) -> (Rows, [Shadow; 2]) {
         impulse: DVec3::ZERO,
         mass: DMat3::ZERO,
         give: Give::default(),
-    });
+    }
+}
+
+/// A node of 10 g on the fixed world, pinned to a body of 10 kg that moves at `v`, with what holds the body beside it.
+fn pinned(depth: f64, v: DVec3, moves: f64) -> (Rows, [Shadow; 2]) {
+    let mut rows = rows(0.0, depth, DVec3::ZERO, v);
+    rows.nodes[0].inv_mass = 100.0;
+    rows.fastest_lift = 0.3;
+    let terms = rows.contacts[0].terms;
+    rows.ties.push(Tie { terms, ..tie() });
     let body = Shadow {
         inv_mass: DMat3::from_diagonal(DVec3::splat(0.1 * moves)),
         v,

@@ -6,6 +6,7 @@
 //! (see [`super::climb`]), and so do the contacts of shadows with each other.
 
 use super::climb::Climb;
+use super::composite::Composites;
 use super::pass::Pass;
 use super::{Row, Term, Terms, Tie};
 use crate::math::DVec3;
@@ -20,7 +21,13 @@ pub(super) struct Clusters {
 }
 
 impl Clusters {
-    fn find(&mut self, nodes: usize, contacts: &[Row], ties: &[Tie], terms: &[Term]) {
+    fn find(
+        &mut self,
+        nodes: usize,
+        contacts: &[Row],
+        (ties, composites): (&[Tie], &Composites),
+        terms: &[Term],
+    ) {
         self.parent.clear();
         self.parent.extend(0..nodes as u32);
         self.climbs.clear();
@@ -29,11 +36,29 @@ impl Clusters {
         for of_row in all.chain(ties.iter().map(|t| t.terms)) {
             if let [first, others @ ..] = &terms[of_row.range()] {
                 for other in others {
-                    let (a, b) = (self.root(first.node), self.root(other.node));
-                    self.parent[a.max(b) as usize] = a.min(b);
+                    self.join(first.node, other.node);
                 }
             }
         }
+        let node = |tie: usize| terms[ties[tie].terms.range()].first().map(|t| t.node);
+        // A node that is tied gives way as the composite does, to all that presses on any part of it.
+        for (one, next) in composites.neighbours() {
+            if let (Some(a), Some(b)) = (node(one), node(next)) {
+                self.join(a, b);
+            }
+        }
+        for row in contacts {
+            let tie = composites.of_shadow(row.shadow);
+            let first = terms[row.terms.range()].first().map(|t| t.node);
+            if let (Some(a), Some(b)) = (first, tie.and_then(node)) {
+                self.join(a, b);
+            }
+        }
+    }
+
+    fn join(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.parent[a.max(b) as usize] = a.min(b);
     }
 
     /// Of the cluster of a row.
@@ -61,7 +86,9 @@ impl Pass<'_> {
             return;
         }
         let terms = self.points.terms;
-        clusters.find(self.points.nodes.len(), self.contacts, self.ties, terms);
+        let ties = (&*self.ties, &*self.composites);
+        clusters.find(self.points.nodes.len(), self.contacts, ties, terms);
+        self.solve_composites();
         let rows = 0..self.contacts.len();
         let warm = |pass: &Self, i: &usize| pass.contacts[*i].impulse() != DVec3::ZERO;
         for i in rows.clone().filter(|i| warm(self, i)) {
@@ -74,7 +101,11 @@ impl Pass<'_> {
             let slope = self.row_slope(i) - softness * normal_impulse * normal_impulse;
             clusters.climb(self.contacts[i].terms, terms).slope += slope;
         }
-        for i in 0..self.ties.len() {
+        let ties = 0..self.ties.len();
+        for i in ties.clone() {
+            if self.composites.of_tie(i).is_some() {
+                continue;
+            }
             let tie = &self.ties[i];
             let slope = self.tie_slope(i) - tie.softness * tie.impulse.length_squared();
             clusters.climb(tie.terms, terms).slope += slope;
@@ -82,14 +113,22 @@ impl Pass<'_> {
         for i in rows.clone() {
             self.give(i, self.contacts[i].impulse());
         }
-        for tie in &*self.ties {
+        for i in ties.clone() {
+            if self.composites.of_tie(i).is_some() {
+                continue;
+            }
+            let tie = &self.ties[i];
             self.points.push(tie.terms, tie.impulse);
             self.shadows[tie.shadow as usize].push(tie.arm, -tie.impulse);
         }
+        self.solve_composites();
         for i in rows.clone().filter(|i| warm(self, i)) {
             clusters.climb(self.contacts[i].terms, terms).end += self.row_slope(i);
         }
-        for i in 0..self.ties.len() {
+        for i in ties.clone() {
+            if self.composites.of_tie(i).is_some() {
+                continue;
+            }
             clusters.climb(self.ties[i].terms, terms).end += self.tie_slope(i);
         }
         for i in rows {
@@ -100,11 +139,15 @@ impl Pass<'_> {
                 self.set_row(i, normal, friction);
             }
         }
-        for i in 0..self.ties.len() {
+        for i in ties {
+            if self.composites.of_tie(i).is_some() {
+                continue;
+            }
             let best = clusters.climb(self.ties[i].terms, terms).lowest();
             if best < 1.0 {
                 self.set_tie(i, self.ties[i].impulse * best);
             }
         }
+        self.solve_composites();
     }
 }

@@ -67,8 +67,10 @@ fn jam(dice: &mut Dice) -> (Rows, [Shadow; 3]) {
             ..row(terms)
         });
     }
-    for _ in 0..dice.range(0.0, 2.0) as usize {
-        let first = dice.range(0.0, f64::from(count)) as u32;
+    for first in 0..count {
+        if dice.range(0.0, 1.0) < 0.6 {
+            continue;
+        }
         let terms = rows.add_terms([Term {
             node: first,
             weight: 1.0,
@@ -76,18 +78,10 @@ fn jam(dice: &mut Dice) -> (Rows, [Shadow; 3]) {
         }]);
         let tie = Tie {
             terms,
-            shadow: 1,
-            attachment: 0,
-            between: false,
+            shadow: dice.range(1.0, 2.3) as u32,
             arm: dice.vector(0.3),
-            error: DVec3::ZERO,
-            before: DVec3::ZERO,
-            chord: DVec3::ZERO,
-            bias: DVec3::ZERO,
-            softness: 0.0,
             impulse: dice.vector(10.0),
-            mass: DMat3::ZERO,
-            give: Give::default(),
+            ..tie()
         };
         rows.ties.push(tie);
     }

@@ -1,0 +1,277 @@
+//! Nodes that are tied to one shadow, and that shadow: a composite body, whose ties are solved at once.
+//!
+//! One after the other, ties of nodes that are heavier than what they are tied to undo each other, the more so about its
+//! centre, where a light body gives way to every lever. What few passes leave of that would be mended at position level,
+//! against the forces that it stretches, and put energy into them in every substep: eight nodes welded to a body of a
+//! third of their mass shook themselves to pieces within two seconds.
+//!
+//! With B the response of the shadow, J the motion of the points that its ties hold, m what these feel alone, and
+//! G = Σ Jᵀ·m·J, an impulse on the shadow moves all of them by C = (1 + B·G)⁻¹·B. While rows are solved the shadow
+//! answers everything with C, as the composite does; its nodes follow when they are next asked for.
+
+use super::Tie;
+use super::pass::Pass;
+use super::points::Points;
+use super::settled::Felt;
+use crate::math::na::SMatrix;
+use crate::math::{DMat3, DVec3};
+use crate::solve::shadow::Shadow;
+
+const NONE: u32 = u32::MAX;
+
+type Mat6 = SMatrix<f64, 6, 6>;
+
+/// A shadow and the points that are tied to it and to nothing else.
+#[derive(Clone, Copy, Debug)]
+struct Composite {
+    shadow: u32,
+    /// Its first tie.
+    first: u32,
+    /// How the shadow answers alone.
+    alone: (DMat3, Option<DMat3>, DMat3),
+    /// Σ m \[kg\], Σ m·r \[kg·m\] and Σ m·(r²·1 − r·rᵀ) \[kg·m²\].
+    mass: f64,
+    moment: DVec3,
+    inertia: DMat3,
+    /// Velocities of the shadow that its nodes have followed.
+    followed: (DVec3, DVec3),
+}
+
+/// The composites of a substep.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Composites {
+    list: Vec<Composite>,
+    /// Per shadow, its composite.
+    of_shadow: Vec<u32>,
+    /// Per tie, its composite.
+    of_tie: Vec<u32>,
+    /// Per tie, the next one of its composite.
+    next: Vec<u32>,
+    /// Per tie, what its point feels alone \[kg\].
+    masses: Vec<f64>,
+    /// Per node, how many ties it has.
+    uses: Vec<u8>,
+}
+
+impl Composites {
+    /// Finds the composites, and has their shadows answer as these until [`Self::end`]. Their ties start from nothing: what
+    /// they need follows from all the other rows.
+    pub fn start(&mut self, points: &Points, ties: &mut [Tie], shadows: &mut [Shadow]) {
+        self.list.clear();
+        self.next.clear();
+        self.of_tie.clear();
+        if ties.is_empty() {
+            return;
+        }
+        let fill = |list: &mut Vec<u32>, count: usize| {
+            list.clear();
+            list.resize(count, NONE);
+        };
+        fill(&mut self.of_shadow, shadows.len());
+        fill(&mut self.of_tie, ties.len());
+        fill(&mut self.next, ties.len());
+        self.masses.clear();
+        self.masses.resize(ties.len(), 0.0);
+        self.uses.clear();
+        self.uses.resize(points.nodes.len(), 0);
+        for term in ties.iter().flat_map(|t| points.terms_of(t.terms)) {
+            let uses = &mut self.uses[term.node as usize];
+            *uses = uses.saturating_add(1);
+        }
+        for (i, tie) in ties.iter_mut().enumerate().rev() {
+            let own = points.response(tie.terms) + tie.softness;
+            let [only] = points.terms_of(tie.terms) else {
+                continue;
+            };
+            let shadow = &shadows[tie.shadow as usize];
+            if self.uses[only.node as usize] > 1 || own <= 0.0 || !shadow.gives_way() {
+                continue;
+            }
+            let known = &mut self.of_shadow[tie.shadow as usize];
+            if *known == NONE {
+                *known = self.list.len() as u32;
+                self.list.push(Composite::of(tie.shadow, shadow));
+            }
+            let composite = &mut self.list[*known as usize];
+            tie.impulse = DVec3::ZERO;
+            self.of_tie[i] = *known;
+            self.next[i] = std::mem::replace(&mut composite.first, i as u32);
+            self.masses[i] = 1.0 / own;
+            composite.add(1.0 / own, tie.arm);
+        }
+        for composite in &self.list {
+            composite.answer_as_one(&mut shadows[composite.shadow as usize]);
+        }
+    }
+
+    /// Shadows answer alone again.
+    pub fn end(&self, shadows: &mut [Shadow]) {
+        for c in &self.list {
+            let shadow = &mut shadows[c.shadow as usize];
+            (shadow.inv_mass, shadow.cross, shadow.inv_inertia) = c.alone;
+        }
+    }
+
+    /// The composite that a tie belongs to.
+    #[inline(always)]
+    pub fn of_tie(&self, tie: usize) -> Option<usize> {
+        let found = *self.of_tie.get(tie)?;
+        (found != NONE).then_some(found as usize)
+    }
+
+    /// The first tie of a shadow's composite.
+    pub fn of_shadow(&self, shadow: u32) -> Option<usize> {
+        let found = *self.of_shadow.get(shadow as usize)?;
+        Some(self.list.get(found as usize)?.first as usize)
+    }
+
+    /// How the composite of a tie answers an error of this tie alone: −impulse by error \[kg\]. `None` if it has none.
+    pub fn mass(&self, i: usize, tie: &Tie, shadows: &[Shadow]) -> Option<DMat3> {
+        self.of_tie(i)?;
+        let m = self.masses[i];
+        let response = shadows[tie.shadow as usize].response_matrix(tie.arm);
+        Some(DMat3::from_diagonal(DVec3::splat(m)) - response * (m * m))
+    }
+
+    /// Pairs of ties of the same composite, enough to lead from each to all others.
+    pub fn neighbours(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let next = self.next.iter().enumerate();
+        next.filter(|(_, next)| **next != NONE)
+            .map(|(i, next)| (i, *next as usize))
+    }
+
+    fn ties(&self, composite: usize) -> impl Iterator<Item = usize> + '_ {
+        let link = |i: u32| (i != NONE).then_some(i);
+        let first = link(self.list[composite].first);
+        std::iter::successors(first, move |&i| link(self.next[i as usize])).map(|i| i as usize)
+    }
+}
+
+impl Composite {
+    fn of(number: u32, shadow: &Shadow) -> Self {
+        Self {
+            shadow: number,
+            first: NONE,
+            alone: (shadow.inv_mass, shadow.cross, shadow.inv_inertia),
+            mass: 0.0,
+            moment: DVec3::ZERO,
+            inertia: DMat3::ZERO,
+            followed: (shadow.v, shadow.w),
+        }
+    }
+
+    /// Adds a point of `m` kg at `r`.
+    fn add(&mut self, m: f64, r: DVec3) {
+        self.mass += m;
+        self.moment += r * m;
+        let outer = DMat3::from_cols(r * r.x, r * r.y, r * r.z);
+        self.inertia += (DMat3::from_diagonal(DVec3::splat(r.length_squared())) - outer) * m;
+    }
+
+    /// Impulse and angular impulse that set the points going with a motion: G·(v, w).
+    fn momentum(&self, v: DVec3, w: DVec3) -> (DVec3, DVec3) {
+        (
+            v * self.mass + w.cross(self.moment),
+            self.moment.cross(v) + self.inertia * w,
+        )
+    }
+
+    /// Puts C in the place of B.
+    fn answer_as_one(&self, shadow: &mut Shadow) {
+        let (inv_mass, cross, inv_inertia) = self.alone;
+        let cross = cross.unwrap_or(DMat3::ZERO);
+        let b = from_blocks(inv_mass, cross, cross.transpose(), inv_inertia);
+        let s = self.moment;
+        let turn = DMat3::from_cols(
+            DVec3::new(0.0, s.z, -s.y),
+            DVec3::new(-s.z, 0.0, s.x),
+            DVec3::new(s.y, -s.x, 0.0),
+        );
+        let mass = DMat3::from_diagonal(DVec3::splat(self.mass));
+        let g = from_blocks(mass, -turn, turn, self.inertia);
+        // B and G have no negative eigenvalues, so there is a solution unless a number is not finite, which is seen after the
+        // substep.
+        let c = (Mat6::identity() + b * g).lu().solve(&b).unwrap_or(b);
+        shadow.inv_mass = block(&c, 0, 0);
+        shadow.cross = Some(block(&c, 0, 3));
+        shadow.inv_inertia = block(&c, 3, 3);
+    }
+}
+
+impl Pass<'_> {
+    /// Solves the ties of a composite; whether they were not settled yet. What has been done to the shadow since its nodes
+    /// last followed, it has done as the composite: their ties owe it what set them going.
+    pub(super) fn solve_composite(&mut self, number: usize) -> bool {
+        let composites = std::mem::take(self.composites);
+        let composite = composites.list[number];
+        let shadow = composite.shadow as usize;
+        let (v, w) = composite.followed;
+        let (mut impulse, mut torque) =
+            composite.momentum(self.shadows[shadow].v - v, self.shadows[shadow].w - w);
+        for i in composites.ties(number) {
+            let push = self.tie_error(i) * composites.masses[i];
+            impulse += push;
+            torque += self.ties[i].arm.cross(push);
+        }
+        self.shadows[shadow].take(impulse, torque);
+        let mut felt = Felt::default();
+        for i in composites.ties(number) {
+            let change = self.tie_error(i) * -composites.masses[i];
+            let tie = &mut self.ties[i];
+            tie.impulse += change;
+            self.points.push(tie.terms, change);
+            let square = tie.impulse.length_squared();
+            let now = self.settled.felt(change.length_squared(), square, tie.give);
+            felt.nodes |= now.nodes;
+            felt.shadows |= now.shadows;
+        }
+        if felt.any() {
+            for i in composites.ties(number) {
+                let terms = self.points.terms_of(self.ties[i].terms);
+                self.worklist.change(terms, [composite.shadow; 2], felt);
+            }
+        }
+        // Nothing is left to do.
+        for i in composites.ties(number) {
+            self.worklist.seen(self.contacts.len() + i);
+        }
+        *self.composites = composites;
+        let shadow = &self.shadows[shadow];
+        self.composites.list[number].followed = (shadow.v, shadow.w);
+        felt.any()
+    }
+
+    /// Has nodes follow what was done to the shadow of their composite.
+    pub(super) fn catch_up(&mut self, number: usize) {
+        let composite = &self.composites.list[number];
+        let shadow = &self.shadows[composite.shadow as usize];
+        if composite.followed != (shadow.v, shadow.w) {
+            self.solve_composite(number);
+        }
+    }
+
+    /// Solves the ties of all composites.
+    pub(super) fn solve_composites(&mut self) {
+        for number in 0..self.composites.list.len() {
+            self.solve_composite(number);
+        }
+    }
+}
+
+fn from_blocks(a: DMat3, b: DMat3, c: DMat3, d: DMat3) -> Mat6 {
+    Mat6::from_fn(|i, k| {
+        let block = [[a, b], [c, d]][i / 3][k / 3];
+        block.col(k % 3)[i % 3]
+    })
+}
+
+fn block(m: &Mat6, row: usize, column: usize) -> DMat3 {
+    let col = |k: usize| {
+        DVec3::new(
+            m[(row, column + k)],
+            m[(row + 1, column + k)],
+            m[(row + 2, column + k)],
+        )
+    };
+    DMat3::from_cols(col(0), col(1), col(2))
+}
