@@ -19,7 +19,7 @@ pub struct Shadow {
     pub w: DVec3,
     /// Velocities at the end of the last substep, for the trapezoid rule of work.
     pub before: (DVec3, DVec3),
-    /// Velocity by impulse \[1/kg\]: 1/m, less where joints hold, 0 where locked, fixed, kinematic or asleep; scaled by the
+    /// Velocity by impulse \[1/kg\]: 1/m, while rows are solved that of what is tied to it too, less where joints hold, 0 where locked, fixed, kinematic or asleep; scaled by the
     /// response ratio.
     pub inv_mass: DMat3,
     /// Velocity by angular impulse, and transposed, spin by impulse \[1/(kg·m)\]: none without joints, scaled likewise.
@@ -36,7 +36,7 @@ pub struct Shadow {
     pub lead: f64,
     /// Linear and angular damping \[1/s\].
     pub damping: (f64, f64),
-    /// Angular impulse that it takes once it has moved \[N·m·s\].
+    /// Angular impulse that it takes in the next substep, together with what is tied to it \[N·m·s\].
     pub late_torque: DVec3,
     /// Sum of impulses received \[N·s\].
     pub impulse: DVec3,
@@ -82,6 +82,15 @@ impl Shadow {
         if let Some(cross) = &self.cross {
             self.v += *cross * torque;
             self.w += cross.transpose() * impulse;
+        }
+    }
+
+    /// Takes what was left for later.
+    pub fn take_late(&mut self) {
+        let torque = std::mem::take(&mut self.late_torque);
+        if torque != DVec3::ZERO {
+            self.take(DVec3::ZERO, torque);
+            self.torque += torque;
         }
     }
 
@@ -161,8 +170,6 @@ impl Shadow {
                 self.w = w;
             }
         }
-        self.w += self.inv_inertia * self.late_torque;
-        self.late_torque = DVec3::ZERO;
     }
 }
 

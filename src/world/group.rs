@@ -253,6 +253,7 @@ impl DeformableWorld {
             .shadows
             .iter()
             .all(|s| s.impulse.is_finite() && s.torque.is_finite());
+        group.shadows.iter_mut().for_each(Shadow::take_late);
         group.release();
         group.follow();
         let splits = group.splits(parts, dt);

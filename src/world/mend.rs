@@ -27,11 +27,14 @@ impl Group {
                 .checked_sub(1)
                 .is_some_and(|i| matches!(touched[i].answer, Answer::Free | Answer::Constrained))
             {
-                // Not before it has moved: what it takes for the nodes that it holds they share in the next substep. A light
-                // body alone would turn by it, and its nodes be moved all the farther.
+                let alone = !rows.is_composite(shadow);
                 let shadow = &mut shadows[shadow as usize];
                 shadow.late_torque += lost;
-                shadow.torque += lost;
+                // What holds nodes takes it with them in the next substep: a light body would turn by it alone, and its nodes be
+                // moved all the farther.
+                if alone {
+                    shadow.take_late();
+                }
             }
         };
         for row in &rows.contacts {

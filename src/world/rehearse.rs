@@ -9,7 +9,7 @@
 //! What came late could be an early impulse backwards and all the more force, which moves a free body just so. But a body
 //! that has struck the ground before a node that it holds does must do so in Rapier's step too, and not be turned away from
 //! it before: it gets what came late at the end. No contact answers that in this step, so such a split is judged by the
-//! velocity it leaves as well, and where that is wrong the early impulse backwards is tried.
+//! velocity it leaves as well, and where the first one leads astray the early impulse backwards is tried.
 
 use super::RapierParts;
 use super::group::Touched;
@@ -155,9 +155,7 @@ impl Trial {
     /// The split that moves a free body as an early impulse would, forwards or backwards, with the rest as a force, which
     /// displaces by the `share` of what an impulse does that is given at the start.
     fn split(&self, early: Wrench, end: &Shadow, share: f64) -> Split {
-        let (impulse, torque) = (end.inv_mass * end.impulse, end.inv_inertia * end.torque);
-        let along = early.0.dot(impulse) + early.1.dot(torque);
-        if along >= 0.0 || !self.late {
+        if !self.late || !goes_back(early, end) {
             return Split {
                 early,
                 ..Split::default()
@@ -184,21 +182,17 @@ impl Trial {
             momentum(end.inv_inertia, miss.1),
         );
         let size = by.0.dot(miss.0) + by.1.dot(miss.1);
-        // What is given late no contact answers in this step: by what velocity it leaves beyond what the mean force does, the
-        // body will have gone astray in the next one.
+        // What is given late no contact answers in this step, and what is given backwards may turn a body away from one: by what
+        // velocity that leaves beyond what the mean force does, the body will have gone astray in the next step.
         let on: Miss = ((end.v - reached.v) * dt, (end.w - reached.w) * dt);
         let on = momentum(end.inv_mass, on.0).dot(on.0) + momentum(end.inv_inertia, on.1).dot(on.1);
         let by_force = *self.by_force.get_or_insert(on);
-        let is_late = self.split(self.early, end, share).late != Wrench::default();
-        let astray = if is_late {
-            (on - by_force).max(0.0)
-        } else {
-            0.0
-        };
+        let back = goes_back(self.early, end);
+        let astray = if back { (on - by_force).max(0.0) } else { 0.0 };
         let all = size + astray;
         if all.is_nan() || all >= self.best.1 {
             // Impulses that went to and fro, on what hangs on something heavier, were no blow that came late.
-            if is_late && self.best.0 == Wrench::default() {
+            if back && self.late && self.best.0 == Wrench::default() {
                 self.late = false;
                 return;
             }
@@ -247,6 +241,11 @@ impl Trial {
         self.early.0 = limited(self.early.0, free.0, end.impulse, end.inv_mass);
         self.early.1 = limited(self.early.1, free.1, end.torque, end.inv_inertia);
     }
+}
+
+/// Whether an early impulse is against what the body gets in all.
+fn goes_back(early: Wrench, end: &Shadow) -> bool {
+    early.0.dot(end.inv_mass * end.impulse) + early.1.dot(end.inv_inertia * end.torque) < 0.0
 }
 
 /// The early impulse, forwards or backwards, by which a free body gets to its place in a step of `dt` s in which a force

@@ -7,7 +7,10 @@
 //!
 //! With B the response of the shadow, J the motion of the points that its ties hold, m what these feel alone, and
 //! G = Σ Jᵀ·m·J, an impulse on the shadow moves all of them by C = (1 + B·G)⁻¹·B. While rows are solved the shadow
-//! answers everything with C, as the composite does; its nodes follow when they are next asked for.
+//! answers everything with C, as the composite does. A node follows when it is next asked for, and has the shadow answer
+//! what was done to the node itself: either is exact and costs the same however many nodes there are.
+//!
+//! Only ties of one node that has no other tie are taken in. Points of several nodes are solved one by one.
 
 use super::Tie;
 use super::pass::Pass;
@@ -21,7 +24,7 @@ const NONE: u32 = u32::MAX;
 
 type Mat6 = SMatrix<f64, 6, 6>;
 
-/// A shadow and the points that are tied to it and to nothing else.
+/// A shadow and the nodes that are tied to it and to nothing else.
 #[derive(Clone, Copy, Debug)]
 struct Composite {
     shadow: u32,
@@ -33,8 +36,6 @@ struct Composite {
     mass: f64,
     moment: DVec3,
     inertia: DMat3,
-    /// Velocities of the shadow that its nodes have followed.
-    followed: (DVec3, DVec3),
 }
 
 /// The composites of a substep.
@@ -49,6 +50,8 @@ pub(super) struct Composites {
     next: Vec<u32>,
     /// Per tie, what its point feels alone \[kg\].
     masses: Vec<f64>,
+    /// Per tie, the velocities of the shadow that its node has followed.
+    followed: Vec<(DVec3, DVec3)>,
     /// Per node, how many ties it has.
     uses: Vec<u8>,
 }
@@ -72,6 +75,8 @@ impl Composites {
         fill(&mut self.next, ties.len());
         self.masses.clear();
         self.masses.resize(ties.len(), 0.0);
+        self.followed.clear();
+        self.followed.resize(ties.len(), Default::default());
         self.uses.clear();
         self.uses.resize(points.nodes.len(), 0);
         for term in ties.iter().flat_map(|t| points.terms_of(t.terms)) {
@@ -97,6 +102,7 @@ impl Composites {
             self.of_tie[i] = *known;
             self.next[i] = std::mem::replace(&mut composite.first, i as u32);
             self.masses[i] = 1.0 / own;
+            self.followed[i] = (shadow.v, shadow.w);
             composite.add(1.0 / own, tie.arm);
         }
         for composite in &self.list {
@@ -139,12 +145,6 @@ impl Composites {
         next.filter(|(_, next)| **next != NONE)
             .map(|(i, next)| (i, *next as usize))
     }
-
-    fn ties(&self, composite: usize) -> impl Iterator<Item = usize> + '_ {
-        let link = |i: u32| (i != NONE).then_some(i);
-        let first = link(self.list[composite].first);
-        std::iter::successors(first, move |&i| link(self.next[i as usize])).map(|i| i as usize)
-    }
 }
 
 impl Composite {
@@ -156,7 +156,6 @@ impl Composite {
             mass: 0.0,
             moment: DVec3::ZERO,
             inertia: DMat3::ZERO,
-            followed: (shadow.v, shadow.w),
         }
     }
 
@@ -166,14 +165,6 @@ impl Composite {
         self.moment += r * m;
         let outer = DMat3::from_cols(r * r.x, r * r.y, r * r.z);
         self.inertia += (DMat3::from_diagonal(DVec3::splat(r.length_squared())) - outer) * m;
-    }
-
-    /// Impulse and angular impulse that set the points going with a motion: G·(v, w).
-    fn momentum(&self, v: DVec3, w: DVec3) -> (DVec3, DVec3) {
-        (
-            v * self.mass + w.cross(self.moment),
-            self.moment.cross(v) + self.inertia * w,
-        )
     }
 
     /// Puts C in the place of B.
@@ -199,62 +190,62 @@ impl Composite {
 }
 
 impl Pass<'_> {
-    /// Solves the ties of a composite; whether they were not settled yet. What has been done to the shadow since its nodes
-    /// last followed, it has done as the composite: their ties owe it what set them going.
-    pub(super) fn solve_composite(&mut self, number: usize) -> bool {
-        let composites = std::mem::take(self.composites);
-        let composite = composites.list[number];
-        let shadow = composite.shadow as usize;
-        let (v, w) = composite.followed;
-        let (mut impulse, mut torque) =
-            composite.momentum(self.shadows[shadow].v - v, self.shadows[shadow].w - w);
-        for i in composites.ties(number) {
-            let push = self.tie_error(i) * composites.masses[i];
-            impulse += push;
-            torque += self.ties[i].arm.cross(push);
-        }
-        self.shadows[shadow].take(impulse, torque);
-        let mut felt = Felt::default();
-        for i in composites.ties(number) {
-            let change = self.tie_error(i) * -composites.masses[i];
-            let tie = &mut self.ties[i];
-            tie.impulse += change;
-            self.points.push(tie.terms, change);
-            let square = tie.impulse.length_squared();
-            let now = self.settled.felt(change.length_squared(), square, tie.give);
-            felt.nodes |= now.nodes;
-            felt.shadows |= now.shadows;
-        }
+    /// Has the composite answer what was done to the node of a tie, and the node follow what was done to the shadow; whether
+    /// anybody feels it.
+    pub(super) fn follow(&mut self, i: usize) -> bool {
+        let push = self.push_of(i);
+        let Tie { shadow, arm, .. } = self.ties[i];
+        self.shadows[shadow as usize].push(arm, push);
+        let change = self.let_follow(i);
+        let tie = &self.ties[i];
+        let square = tie.impulse.length_squared();
+        let felt = |change: DVec3| self.settled.felt(change.length_squared(), square, tie.give);
+        let felt = Felt {
+            nodes: felt(change).nodes,
+            shadows: felt(push).shadows,
+        };
         if felt.any() {
-            for i in composites.ties(number) {
-                let terms = self.points.terms_of(self.ties[i].terms);
-                self.worklist.change(terms, [composite.shadow; 2], felt);
-            }
+            let terms = self.points.terms_of(tie.terms);
+            self.worklist.change(terms, [shadow; 2], felt);
         }
-        // Nothing is left to do.
-        for i in composites.ties(number) {
-            self.worklist.seen(self.contacts.len() + i);
-        }
-        *self.composites = composites;
-        let shadow = &self.shadows[shadow];
-        self.composites.list[number].followed = (shadow.v, shadow.w);
         felt.any()
     }
 
-    /// Has nodes follow what was done to the shadow of their composite.
-    pub(super) fn catch_up(&mut self, number: usize) {
-        let composite = &self.composites.list[number];
-        let shadow = &self.shadows[composite.shadow as usize];
-        if composite.followed != (shadow.v, shadow.w) {
-            self.solve_composite(number);
+    /// The same for all ties of all composites.
+    pub(super) fn follow_all(&mut self) {
+        for round in 0..2 {
+            for i in 0..self.ties.len() {
+                if self.composites.of_tie(i).is_none() {
+                    continue;
+                }
+                if round == 0 {
+                    let push = self.push_of(i);
+                    let Tie { shadow, arm, .. } = self.ties[i];
+                    self.shadows[shadow as usize].push(arm, push);
+                }
+                self.let_follow(i);
+            }
         }
     }
 
-    /// Solves the ties of all composites.
-    pub(super) fn solve_composites(&mut self) {
-        for number in 0..self.composites.list.len() {
-            self.solve_composite(number);
-        }
+    /// What has been done to the node of a tie and not been answered by its composite yet \[N·s\].
+    fn push_of(&self, i: usize) -> DVec3 {
+        let Tie { shadow, arm, .. } = self.ties[i];
+        let shadow = &self.shadows[shadow as usize];
+        let (v, w) = self.composites.followed[i];
+        let to_follow = shadow.v - v + (shadow.w - w).cross(arm);
+        (self.tie_error(i) + to_follow) * self.composites.masses[i]
+    }
+
+    /// Gives the node of a tie the velocity of its anchor, and returns the impulse \[N·s\].
+    fn let_follow(&mut self, i: usize) -> DVec3 {
+        let change = self.tie_error(i) * -self.composites.masses[i];
+        let tie = &mut self.ties[i];
+        tie.impulse += change;
+        self.points.push(tie.terms, change);
+        let shadow = &self.shadows[tie.shadow as usize];
+        self.composites.followed[i] = (shadow.v, shadow.w);
+        change
     }
 }
 

@@ -108,7 +108,7 @@ pub struct Tie {
     pub softness: f64,
     /// Accumulated impulse on the node \[N·s\].
     pub impulse: DVec3,
-    /// Effective mass \[kg\]; set by the pass.
+    /// Effective mass, in a composite that with all of its other ties \[kg\]; set by the pass.
     pub mass: DMat3,
     /// What nodes and shadow make of its impulse; set by the pass.
     pub give: Give,
@@ -143,6 +143,11 @@ pub struct Rows {
 }
 
 impl Rows {
+    /// Whether nodes were tied to a shadow when rows were last solved, and answer together with it.
+    pub fn is_composite(&self, shadow: u32) -> bool {
+        self.composites.of_shadow(shadow).is_some()
+    }
+
     /// Forgets the rows of a substep, keeping the memory.
     pub fn clear(&mut self) {
         self.nodes.clear();

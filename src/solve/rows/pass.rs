@@ -38,6 +38,7 @@ impl Rows {
             terms: &self.terms,
         };
         self.composites.start(&points, &mut self.ties, shadows);
+        shadows.iter_mut().for_each(Shadow::take_late);
         let mut pass = Pass {
             points,
             contacts: &mut self.contacts,
@@ -58,7 +59,7 @@ impl Rows {
         };
         pass.prepare();
         pass.prepare_lifts(self.fastest_lift);
-        pass.solve_composites();
+        pass.follow_all();
         pass.start_shadows();
         pass.start_warm(&mut self.clusters);
         let most = if self.blow || pass.is_coupled() {
@@ -83,7 +84,7 @@ impl Rows {
                 break;
             }
         }
-        pass.solve_composites();
+        pass.follow_all();
         pass.book();
         self.composites.end(shadows);
     }
@@ -194,7 +195,13 @@ impl Pass<'_> {
                 .try_fold(f64::INFINITY, |least, r| r.map(|r| least.min(r)));
             if let Some(response) = least {
                 let speed = (row.depth * LEAD_RATE).min(fastest);
-                let mass = inverse(response) + inverse(row.response.own);
+                // A composite has the nodes in its response.
+                let apart = self.points.terms_of(row.terms).iter().any(|t| {
+                    let tie = self.squeeze.tie(t.node);
+                    tie.is_none_or(|tie| self.composites.of_tie(tie).is_none())
+                });
+                let own = if apart { row.response.own } else { 0.0 };
+                let mass = inverse(response) + inverse(own);
                 let left = LIFT_IMPULSE * speed * mass;
                 row.lift = Lift { speed, left };
             }
@@ -343,10 +350,10 @@ impl Pass<'_> {
         changed
     }
 
-    /// Solves a tie, with those of its composite or else as if it were the only one; whether it was not settled yet.
+    /// Solves a tie, within its composite or else as if it were the only one; whether it was not settled yet.
     pub fn solve_tie(&mut self, i: usize) -> bool {
-        if let Some(composite) = self.composites.of_tie(i) {
-            return self.solve_composite(composite);
+        if self.composites.of_tie(i).is_some() {
+            return self.follow(i);
         }
         let error = self.tie_error(i);
         let tie = &mut self.ties[i];

@@ -89,7 +89,7 @@ impl Squeeze {
 impl Pass<'_> {
     /// Solves a row whose nodes have rows of their own.
     pub(super) fn solve_squeezed(&mut self, i: usize) -> bool {
-        self.catch_up_with(i);
+        self.follow_of(i);
         let row = &self.contacts[i];
         if row.normal_impulse == 0.0 && !row.rubs() && self.missed(i) >= 0.0 {
             return false;
@@ -103,51 +103,58 @@ impl Pass<'_> {
         let ties = ties.filter(|tie| self.composites.of_tie(*tie).is_none());
         attempt.start(self, rows, ties);
         let mut changed = self.press_squeezed(i) | self.rub_squeezed(i);
-        self.answer_as_one(i);
+        self.follow_of(i);
         if attempt.height(self) > 0.0 {
             attempt.undo(self);
-            self.answer_as_one(i);
-            changed = self.solve_alone(i);
+            changed = if self.follow_of(i) {
+                self.solve_alone(i)
+            } else {
+                self.solve_row(i)
+            };
         }
         *self.attempt = attempt;
         changed
     }
 
-    /// Has the nodes of a row follow what was done to the shadows that they are tied to.
-    fn catch_up_with(&mut self, i: usize) {
-        let squeeze = self.squeeze;
-        let terms = self.points.terms;
-        for term in &terms[self.contacts[i].terms.range()] {
-            let tie = squeeze.tie(term.node);
-            if let Some(composite) = tie.and_then(|tie| self.composites.of_tie(tie)) {
-                self.catch_up(composite);
-            }
-        }
-    }
-
     /// Solves a row as if it were the only one, but for composites, which answer its normal impulse before it rubs.
     fn solve_alone(&mut self, i: usize) -> bool {
         let mut changed = self.press(i, self.contacts[i].response.mass);
-        self.answer_as_one(i);
+        self.follow_of(i);
         let slip = self.slip(i);
         let mass = self.contacts[i].response.mass_along(slip);
         if self.contacts[i].rubs() && mass > 0.0 {
             changed |= self.rub(i, slip, mass);
-            self.answer_as_one(i);
+            self.follow_of(i);
         }
         changed
     }
 
-    /// Lets composites answer what was done to their nodes in a row: whoever asks their shadows next must see it.
-    fn answer_as_one(&mut self, i: usize) {
-        let squeeze = self.squeeze;
+    /// Has composites answer what was done to their nodes in a row, and these follow what was done to their shadows: whoever
+    /// asks for either must see it. Says whether the row has any such node.
+    fn follow_of(&mut self, i: usize) -> bool {
         let terms = self.points.terms;
-        for term in &terms[self.contacts[i].terms.range()] {
-            let tie = squeeze.tie(term.node);
-            if let Some(composite) = tie.and_then(|tie| self.composites.of_tie(tie)) {
-                self.solve_composite(composite);
+        let terms = &terms[self.contacts[i].terms.range()];
+        let mut any = false;
+        for term in terms {
+            any |= self.follow_node(term.node);
+        }
+        if any && terms.len() > 1 {
+            // The second may have moved what the first has followed.
+            for term in terms {
+                self.follow_node(term.node);
             }
         }
+        any
+    }
+
+    /// The same for a node.
+    fn follow_node(&mut self, node: u32) -> bool {
+        let tie = self.squeeze.tie(node);
+        let tie = tie.filter(|tie| self.composites.of_tie(*tie).is_some());
+        if let Some(tie) = tie {
+            self.follow(tie);
+        }
+        tie.is_some()
     }
 
     /// The normal impulse. Which own rows will be active, and which of them stick, is known only afterwards, so a row that
@@ -231,17 +238,13 @@ impl Pass<'_> {
             if let Some(tie) = squeeze.tie(term.node) {
                 self.solve_tie(tie);
             }
-            let mut changed = false;
             for own in squeeze.own(term.node).filter(|own| *own != i) {
-                changed |= self.solve_row(own);
-            }
-            if changed
-                && let Some(tie) = squeeze.tie(term.node)
-                && self.composites.of_tie(tie).is_some()
-            {
-                self.solve_tie(tie);
+                self.follow_node(term.node);
+                self.solve_row(own);
+                self.follow_node(term.node);
             }
         }
+        self.follow_of(i);
     }
 
     /// Effective mass of a row along `direction` with the own rows of its nodes \[kg\]. One that is held from both sides

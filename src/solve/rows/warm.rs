@@ -82,13 +82,17 @@ impl Pass<'_> {
     /// Gives nodes and shadows what contacts and ties start with.
     pub(super) fn start_warm(&mut self, clusters: &mut Clusters) {
         let cold = self.contacts.iter().all(|r| r.impulse() == DVec3::ZERO);
-        if cold && self.ties.iter().all(|t| t.impulse == DVec3::ZERO) {
+        let mut ties = self.ties.iter().enumerate();
+        // Those of composites have been solved already.
+        if cold
+            && ties.all(|(i, t)| t.impulse == DVec3::ZERO || self.composites.of_tie(i).is_some())
+        {
             return;
         }
         let terms = self.points.terms;
         let ties = (&*self.ties, &*self.composites);
         clusters.find(self.points.nodes.len(), self.contacts, ties, terms);
-        self.solve_composites();
+        self.follow_all();
         let rows = 0..self.contacts.len();
         let warm = |pass: &Self, i: &usize| pass.contacts[*i].impulse() != DVec3::ZERO;
         for i in rows.clone().filter(|i| warm(self, i)) {
@@ -121,7 +125,7 @@ impl Pass<'_> {
             self.points.push(tie.terms, tie.impulse);
             self.shadows[tie.shadow as usize].push(tie.arm, -tie.impulse);
         }
-        self.solve_composites();
+        self.follow_all();
         for i in rows.clone().filter(|i| warm(self, i)) {
             clusters.climb(self.contacts[i].terms, terms).end += self.row_slope(i);
         }
@@ -148,6 +152,6 @@ impl Pass<'_> {
                 self.set_tie(i, self.ties[i].impulse * best);
             }
         }
-        self.solve_composites();
+        self.follow_all();
     }
 }

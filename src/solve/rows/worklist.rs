@@ -54,11 +54,6 @@ impl Worklist {
         due
     }
 
-    /// Row number `row` has nothing left to look at.
-    pub fn seen(&mut self, row: usize) {
-        self.visits[row] = self.now;
-    }
-
     /// A row has changed the velocities of its nodes and shadows, as far as these feel it. It will be looked at once more
     /// itself.
     #[inline(always)]

@@ -88,6 +88,7 @@ fn a_light_body_turns_with_the_block_that_holds_it() {
         (2.5, 20.0),
         (0.05, 20.0),
         (0.001, 0.0),
+        (0.001, 20.0),
     ] {
         let mut world = PhysicsWorld {
             gravity: Vector::ZERO,

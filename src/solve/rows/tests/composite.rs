@@ -92,3 +92,29 @@ fn a_joint_of_the_light_body_moves_all_of_its_nodes() {
         assert!(error.length() < 1e-12, "{error}");
     }
 }
+
+/// Whoever strikes a node strikes the whole of it.
+#[test]
+fn a_contact_of_a_node_stops_the_composite() {
+    for reversed in [false, true] {
+        let (mut rows, mut shadows) = composite();
+        let before = momenta(&rows, &shadows);
+        let terms = rows.ties[1].terms;
+        rows.contacts.push(Row {
+            normal: DVec3::NEG_X,
+            ..row(terms)
+        });
+        rows.solve(&mut shadows, 1e-3, 4, reversed);
+        assert!(rows.nodes[1].v.x.abs() < 1e-6, "{}", rows.nodes[1].v);
+        for (node, tie) in rows.nodes.iter().zip(&rows.ties) {
+            let error = node.v - shadows[1].velocity_at(tie.arm);
+            assert!(error.length() < 1e-12, "{error}");
+        }
+        let impulse = DVec3::NEG_X * rows.contacts[0].normal_impulse;
+        let after = momenta(&rows, &shadows);
+        assert!(impulse.x < -0.1, "{impulse}");
+        assert!((after.0 - before.0 - impulse).length() < 1e-9);
+        let turned = rows.ties[1].arm.cross(impulse);
+        assert!((after.1 - before.1 - turned).length() < 1e-9);
+    }
+}

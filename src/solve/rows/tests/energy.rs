@@ -84,6 +84,22 @@ fn jam(dice: &mut Dice) -> (Rows, [Shadow; 3]) {
             ..tie()
         };
         rows.ties.push(tie);
+        // Some are tied to the other body too, or by a point of two nodes, and are no part of a composite then.
+        if dice.range(0.0, 1.0) < 0.1 {
+            rows.ties.push(Tie {
+                shadow: 3 - tie.shadow,
+                ..tie
+            });
+        }
+        if count > 1 && dice.range(0.0, 1.0) < 0.1 {
+            let half = |node: u32| Term {
+                node: node % count,
+                weight: 0.5,
+                share: 0.5,
+            };
+            let terms = rows.add_terms([half(first), half(first + 1)]);
+            rows.ties.push(Tie { terms, ..tie });
+        }
     }
     for _ in 0..dice.range(0.0, 3.0) as usize {
         let on = [[0, 1], [0, 2], [1, 2]][dice.range(0.0, 3.0) as usize];
