@@ -128,9 +128,18 @@ fn a_light_body_turns_with_the_block_that_holds_it() {
             }
         }
         let e = set[block].energies();
-        // 0.03 J of turning, and what the weld took of it at once.
-        assert!(stored < 2.0e-3, "{mass} kg at {speed} m/s: {stored:.2e} J");
-        assert!(e.work.push_out.abs() < 1.0e-4, "{:.2e} J", e.work.push_out);
+        // Shares of the energy of its turning, with a radius of gyration of (1.2 m)/√12.
+        let turning =
+            0.5 * set[block].mass() * (0.2_f64.powi(2) + 0.1_f64.powi(2)) * 0.35_f64.powi(2);
+        assert!(
+            stored < 1.0e-2 * turning,
+            "{mass} kg at {speed} m/s: {stored:.2e} of {turning:.2e} J"
+        );
+        assert!(
+            e.work.push_out.abs() < 1.0e-3 * turning,
+            "{:.2e} J",
+            e.work.push_out
+        );
         let w = world.bodies[body].angvel().length();
         assert!(
             (0.02..0.25).contains(&w),
@@ -151,7 +160,6 @@ fn a_lattice_rolls_on_rigid_wheels() {
         (128.0, 4.0e3),
     ];
     for (wheel_mass, viscosity) in cars {
-        let drift = 0.02;
         let (mut world, _) = floored(1.0 / 60.0);
         world.insert(
             RigidBodyBuilder::fixed().translation(Vector::new(20.0, -0.5, 0.0)),
@@ -226,9 +234,9 @@ fn a_lattice_rolls_on_rigid_wheels() {
         assert!(fastest < 4.0 * 1.01, "gains speed: {fastest} m/s");
         close("speed after 5 s [m/s]", v.x, 4.0, 0.005);
         assert!(
-            (at.y - height).abs() < 2e-3 && at.z.abs() < drift,
+            (at.y - height).abs() < 2e-3 && at.z.abs() < 0.02,
             "drifts to {at}"
         );
-        assert!(v.y.abs() < 0.02 && v.z.abs() < drift, "{v}");
+        assert!(v.y.abs() < 0.02 && v.z.abs() < 0.02, "{v}");
     }
 }

@@ -258,7 +258,11 @@ fn nodes_are_caught_whatever_the_gap_they_start_from() {
         for _ in 0..3 {
             deformables.step_with(&mut world, &(), &(), &mut deepest);
         }
-        assert!(deepest.0 < 1e-5, "gap {gap} cm: {} m deep", deepest.0);
+        assert!(
+            deepest.0 < 1e-5,
+            "gap {gap} cm, safety {safety}: {} m deep",
+            deepest.0
+        );
     }
 }
 

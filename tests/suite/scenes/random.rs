@@ -295,8 +295,8 @@ fn seeds_40_to_49() {
     all_of(40..50);
 }
 
-/// Light bodies that hold nodes by long levers, alone and jointed to heavy ones, bodies that strike a mesh with themselves and with what they hold, and a
-/// body on a mesh that tears at a node which it holds while it is jointed.
+/// Light bodies that hold nodes by long levers, alone and jointed to heavy ones, bodies that strike a mesh with themselves
+/// and with what they hold, and a body on a mesh that tears at a node which it holds while it is jointed.
 #[test]
 fn bodies_that_hold_nodes() {
     all_of([137, 176, 238, 297, 441, 822, 896, 921]);
