@@ -13,6 +13,7 @@ mod climb;
 mod composite;
 mod contact;
 mod joint;
+mod lift;
 mod pass;
 mod points;
 mod rigid;

@@ -8,14 +8,10 @@ use super::rigid::start_rigid;
 use super::settled::{Give, Settled};
 use super::squeeze::Squeeze;
 use super::worklist::Worklist;
-use super::{JointRow, LEAD_RATE, RigidRow, Row, Rows, Term, Tie};
-use crate::law::row::{Lift, allowed_velocity, turning};
+use super::{JointRow, RigidRow, Row, Rows, Tie};
+use crate::law::row::{allowed_velocity, turning};
 use crate::math::{DMat3, DVec3, na};
 use crate::solve::shadow::Shadow;
-
-/// How much impulse a lift may take, in what gives its speed to a free body and the nodes of the row: what rests on
-/// something has its weight to lift besides, and other nodes that the body holds.
-const LIFT_IMPULSE: f64 = 6.0;
 
 impl Rows {
     /// Solves all rows in at most `passes` passes, stopping once a pass changes nothing, and books the impulses to the
@@ -121,7 +117,7 @@ pub(super) struct Pass<'a> {
     pub composites: &'a mut Composites,
     pub worklist: &'a mut Worklist,
     /// Whether `squeeze` is of these rows.
-    squeezed: bool,
+    pub squeezed: bool,
     h: f64,
     pub settled: Settled,
 }
@@ -168,43 +164,6 @@ impl Pass<'_> {
                 None if own > 0.0 => k.inverse(),
                 None => pseudo_inverse(k),
             };
-        }
-    }
-
-    /// Finds the rows of which all nodes are tied to a body that can move, and that are deep in what can't, and how they lift
-    /// that body. Nodes welded into a body stay in its own colliders, and in those of bodies it is joined to.
-    fn prepare_lifts(&mut self, fastest: f64) {
-        if self.ties.is_empty() || !self.squeezed {
-            return;
-        }
-        for row in &mut *self.contacts {
-            row.lift = Lift::default();
-            let held = row.depth > 0.0 && row.softness == 0.0 && !row.between;
-            if !held || self.worklist.moves(row.shadow) {
-                continue;
-            }
-            let body_response = |term: &Term| {
-                let tie = &self.ties[self.squeeze.tie(term.node)?];
-                let shadow = &self.shadows[tie.shadow as usize];
-                let response = shadow.response(tie.arm, row.normal);
-                (tie.softness == 0.0 && response > 0.0).then_some(response)
-            };
-            let terms = self.points.terms_of(row.terms).iter();
-            let least = terms
-                .map(body_response)
-                .try_fold(f64::INFINITY, |least, r| r.map(|r| least.min(r)));
-            if let Some(response) = least {
-                let speed = (row.depth * LEAD_RATE).min(fastest);
-                // A composite has the nodes in its response.
-                let apart = self.points.terms_of(row.terms).iter().any(|t| {
-                    let tie = self.squeeze.tie(t.node);
-                    tie.is_none_or(|tie| self.composites.of_tie(tie).is_none())
-                });
-                let own = if apart { row.response.own } else { 0.0 };
-                let mass = inverse(response) + inverse(own);
-                let left = LIFT_IMPULSE * speed * mass;
-                row.lift = Lift { speed, left };
-            }
         }
     }
 
@@ -415,6 +374,6 @@ fn pseudo_inverse(k: DMat3) -> DMat3 {
 }
 
 /// 1/k, or 0 for what does not give way at all.
-fn inverse(k: f64) -> f64 {
+pub(super) fn inverse(k: f64) -> f64 {
     if k > 0.0 { 1.0 / k } else { 0.0 }
 }
