@@ -1,7 +1,7 @@
 //! What a solver writes: positions, velocities, rest lengths, plastic flow, broken flags.
 //!
-//! The layout is the one vector kernels want: a node is 32 bytes (x, y, z, 1/m, vx, vy, vz, 0), fetched by one aligned
-//! load. Positions are compensated: what rounding takes from x + h·v is kept in a low-order part that only the
+//! The layout is the one vector kernels want: a node is 32 bytes (x, y, z, 1/m, vx, vy, vz, swing), fetched by one
+//! aligned load. Positions are compensated: what rounding takes from x + h·v is kept in a low-order part that only the
 //! integration touches, so that a node at 1 mm/s with h = 1 µs moves although h·v is far below the spacing of `f32` at x.
 //! Springs use the high part. Positions are relative to an origin that follows the body, so that a body far from the
 //! world's origin is as exact as one at it.
@@ -22,8 +22,9 @@ pub struct Particle<S> {
     pub inv_mass: S,
     /// Velocity \[m/s\].
     pub v: [S; 3],
-    /// Keeps the node at a power of two.
-    pub pad: S,
+    /// How far it swings in the body's fastest mode, in proportion to the others \[any unit\]: what has been learned of that
+    /// mode for the stable substep. 1/m before anything has been, 0 for a pinned node.
+    pub swing: S,
 }
 
 /// The changing part of a body.
@@ -59,7 +60,7 @@ impl<S: Scalar> State<S> {
                 x,
                 inv_mass,
                 v,
-                pad: S::ZERO,
+                swing: inv_mass,
             })
             .collect();
         let rest: Vec<S> = rest.into_iter().collect();
@@ -110,6 +111,14 @@ impl<S: Scalar> State<S> {
     /// Sets the velocity of a node \[m/s\].
     pub fn set_velocity(&mut self, node: usize, v: DVec3) {
         self.particles[node].v = [S::of(v.x), S::of(v.y), S::of(v.z)];
+    }
+
+    /// Sets the inverse mass of a node \[1/kg\], 0 to pin it. What was known of the fastest mode is void then.
+    pub fn set_inv_mass(&mut self, node: usize, inv_mass: S) {
+        self.particles[node].inv_mass = inv_mass;
+        for particle in &mut self.particles {
+            particle.swing = particle.inv_mass;
+        }
     }
 
     /// Moves a node by `by` \[m\] without losing what is below the spacing of its position.

@@ -59,10 +59,10 @@ pub fn explicit_euler(relaxation: f64, c: f64) -> f64 {
     relaxation.min(1.0 / c)
 }
 
-/// Midpoint: an undamped mode grows by (ωh)⁴/8 a step; damping 2ζω takes ζωh away, so h³ < 4·relaxation/k; 2/c where
-/// overdamped.
+/// Midpoint: an undamped mode grows by (ωh)⁴/8 a step; damping 2ζω takes ζωh away, so h³ < 4·relaxation/k, of which half is
+/// kept for what large motion adds to it; 2/c where overdamped.
 pub fn midpoint(k: f64, c: f64, relaxation: f64) -> f64 {
-    (4.0 * relaxation / k).cbrt().min(1.0 / c)
+    (2.0 * relaxation / k).cbrt().min(1.0 / c)
 }
 
 #[cfg(test)]

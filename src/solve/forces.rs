@@ -149,7 +149,7 @@ fn position<S: Scalar>(p: &Particle<S>) -> Lanes<S> {
 
 #[inline(always)]
 fn velocity<S: Scalar>(p: &Particle<S>) -> Lanes<S> {
-    [p.v[0], p.v[1], p.v[2], p.pad]
+    [p.v[0], p.v[1], p.v[2], p.swing]
 }
 
 /// Direction from `a` to `b` (the fourth lane means nothing), and their distance. Coincident nodes have no direction and

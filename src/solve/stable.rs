@@ -1,16 +1,20 @@
 //! A bound on the fastest modes of a body in its current configuration, and from it the longest stable substep.
 //!
-//! The matrix of one spring, k·dd⊤ ⊗ [1 −1; −1 1], is at most k·dd⊤ ⊗ diag(1 + t, 1 + 1/t) for every t > 0; with
-//! t = m_a/m_b each end gets k·dd⊤·(1/m_a + 1/m_b). So λ(M⁻¹K) ≤ max over nodes of λ(Σ k·dd⊤·(1/m_a + 1/m_b)): exact for
-//! a single spring, a chain and a regular lattice, where the usual row sum, blind to directions, costs 1.7 times the
-//! substeps. A stretched spring also resists sideways, with k(1 − L/l); that is added. Elements have a bound of their own,
+//! The matrix of one spring, k·dd⊤ ⊗ [1 −1; −1 1], is at most k·dd⊤ ⊗ diag(1 + t, 1 + 1/t) for every t > 0; with t = u_b/u_a
+//! for some swing u > 0 of each node, λ(M⁻¹K) ≤ max over nodes a of λ(Σ k·dd⊤·(1 + u_b/u_a)/m_a). The usual row sum is u = 1,
+//! blind to masses and to directions. With u = 1/m each end gets k·dd⊤·(1/m_a + 1/m_b), which is exact for a single
+//! spring, a chain and a regular lattice, but not at the surface of one, whose nodes are light and have few springs. The
+//! least bound has u as the nodes swing in the fastest mode (Perron and Frobenius; Collatz 1942), and the power method finds
+//! it: every look at the body multiplies each node's swing by its own rate. Whatever the swings are, the bound holds.
+//!
+//! A stretched spring also resists sideways, with k(1 − L/l); that is added. Elements have a bound of their own,
 //! see [`super::fem`]; of a body with both the sum is taken.
 
 use super::integrate::Integrator;
 use super::kernel::{self, of_f32, of_f32_mut};
 use super::solver::Solver;
 use crate::body::state::State;
-use crate::law::stable::{Symmetric, add_spring, sideways};
+use crate::law::stable::{self, Symmetric, add_spring, sideways};
 use crate::math::{DMat3, DVec3, Scalar};
 use crate::solve::forces::axis;
 
@@ -27,7 +31,7 @@ pub struct StableStep {
     pub never: bool,
 }
 
-/// Σ k·dd⊤·(1/m_a + 1/m_b) over the springs of a node \[1/s²\], or the same of their viscosities \[1/s\]: xx, yy, zz, xy, xz,
+/// Σ k·dd⊤·(1 + u_b/u_a)/m_a over the springs of a node \[1/s²\], or the same of their viscosities \[1/s\]: xx, yy, zz, xy, xz,
 /// yz, and two that fill it to a power of two.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(32))]
@@ -48,6 +52,13 @@ impl<S: Scalar> Rates<S> {
 
 type Sym = Symmetric<f64>;
 
+/// How often a new body is looked at for its fastest mode: most of what there is to gain is gained then.
+const FIRST_LOOKS: usize = 4;
+
+/// The least swing that a node is credited with, of the largest that its mass allows: where the fastest mode is not, the next one may
+/// come to be.
+const LEAST_SWING: f64 = 1.0 / 32.0;
+
 /// A cheap upper bound of the largest eigenvalue of a positive matrix: the lesser of trace and row-sum norm.
 fn cheap_bound(m: &Sym) -> f64 {
     let row = |a: f64, b: f64, c: f64| a + b.abs() + c.abs();
@@ -55,6 +66,26 @@ fn cheap_bound(m: &Sym) -> f64 {
         .max(row(m[1], m[3], m[5]))
         .max(row(m[2], m[4], m[5]));
     norm.min(m[0] + m[1] + m[2])
+}
+
+/// An estimate of the largest eigenvalue of a positive matrix, at most that and at least 0.85 of it: (tr M⁴/tr M²)^½.
+fn about_largest(m: &Sym) -> f64 {
+    let square = |[a, b, c, d, e, f]: &Sym| a * a + b * b + c * c + 2.0 * (d * d + e * e + f * f);
+    let [a, b, c, d, e, f] = *m;
+    let squared = [
+        a * a + d * d + e * e,
+        d * d + b * b + f * f,
+        e * e + f * f + c * c,
+        a * d + d * b + e * f,
+        a * e + d * f + e * c,
+        d * e + b * f + f * c,
+    ];
+    let of_square = square(m);
+    if of_square > 0.0 {
+        (square(&squared) / of_square).sqrt()
+    } else {
+        0.0
+    }
 }
 
 /// The largest eigenvalue, in closed form (Smith 1961).
@@ -79,7 +110,7 @@ impl<S: Scalar> Solver<S> {
     ///
     /// The rates of nodes are sums in the scalar of the solver.
     pub fn stable_step(&self, state: &State<S>, integrator: Integrator) -> StableStep {
-        let (mut step, node) = self.longest_step(state, integrator);
+        let (mut step, node, _) = self.longest_step(state, integrator, &self.rates(state));
         step.spring = if step.never {
             self.relaxation().1
         } else {
@@ -95,7 +126,65 @@ impl<S: Scalar> Solver<S> {
         state: &State<S>,
         integrator: Integrator,
     ) -> StableStep {
-        self.longest_step(state, integrator).0
+        self.longest_step(state, integrator, &self.rates(state)).0
+    }
+
+    /// As [`Self::longest_stable_step`], and learns how the body swings in its fastest mode, for a closer bound next time.
+    pub(crate) fn review(&self, state: &mut State<S>, integrator: Integrator) -> StableStep {
+        let rates = self.rates(state);
+        let (step, _, worst) = self.longest_step(state, integrator, &rates);
+        self.learn_swings(state, &rates, worst);
+        step
+    }
+
+    /// Looks at a new body so often that most of what there is to learn of its fastest mode is known: [`Self::stable_step`]
+    /// is longer then. A body in a world is looked at on its way in and in every step.
+    pub fn learn(&self, state: &mut State<S>, integrator: Integrator) {
+        for _ in 0..FIRST_LOOKS {
+            self.review(state, integrator);
+        }
+    }
+
+    /// A step of the power method: every node's swing times its own rate. `worst` is the largest rate of stiffness \[1/s²\] and
+    /// of viscosity \[1/s\]. At the longest substep h of both, h²K + 2hC has 4 for its largest eigenvalue; that is the matrix
+    /// whose mode is looked for.
+    fn learn_swings(
+        &self,
+        state: &mut State<S>,
+        [stiff, damp]: &[Vec<Rates<S>>; 2],
+        (k, c): (f64, f64),
+    ) {
+        let h = stable::leapfrog(k, c);
+        if !(h > 0.0 && h.is_finite()) {
+            return;
+        }
+        let drag = self.external.drag.f64();
+        let swings = |i: usize, inv_mass: f64, swing: f64| {
+            let mut m = stiff[i].f64().map(|k| h * k);
+            if let Some(damp) = damp.get(i) {
+                m.iter_mut()
+                    .zip(damp.f64())
+                    .for_each(|(m, c)| *m += 2.0 * c);
+            }
+            (about_largest(&m) + 2.0 * drag * inv_mass) * swing
+        };
+        let mut most = 0.0_f64;
+        for (i, p) in state.particles.iter_mut().enumerate() {
+            if p.inv_mass > S::ZERO {
+                let share = swings(i, p.inv_mass.f64(), p.swing.f64()) / p.inv_mass.f64();
+                most = most.max(share);
+                p.swing = S::of(share);
+            }
+        }
+        for p in state.particles.iter_mut().filter(|p| p.inv_mass > S::ZERO) {
+            let share = p.swing.f64() / most;
+            let sound = if share > LEAST_SWING {
+                share.min(1.0)
+            } else {
+                LEAST_SWING
+            };
+            p.swing = S::of(sound) * p.inv_mass;
+        }
     }
 
     /// The least c/k of any spring \[s\], and of which.
@@ -133,11 +222,16 @@ impl<S: Scalar> Solver<S> {
             let (a, b) = (&state.particles[ia], &state.particles[ib]);
             let (n, length) = axis(a, b);
             let n = [n[0], n[1], n[2]];
-            let w = a.inv_mass + b.inv_mass;
-            let along = link.stiffness * w;
-            let across = along * sideways(n, *rest, length);
-            for node in [ia, ib] {
-                stiff[node].add(n, along, across);
+            let sideways = sideways(n, *rest, length);
+            for (node, own, far) in [(ia, a, b), (ib, b, a)] {
+                let per_swing = if own.swing > S::ZERO {
+                    own.inv_mass / own.swing
+                } else {
+                    S::ZERO
+                };
+                let w = own.inv_mass + far.swing * per_swing;
+                let along = link.stiffness * w;
+                stiff[node].add(n, along, along * sideways);
                 if let Some(damp) = damp.get_mut(node) {
                     damp.add(n, link.damping * w, S::ZERO);
                 }
@@ -145,13 +239,13 @@ impl<S: Scalar> Solver<S> {
         }
     }
 
-    /// The longest stable substep, its spring not named yet, and the worst node.
+    /// The longest stable substep, its spring not named yet, the worst node and its rates.
     fn longest_step(
         &self,
         state: &State<S>,
         integrator: Integrator,
-    ) -> (StableStep, Option<usize>) {
-        let [stiff, damp] = self.rates(state);
+        [stiff, damp]: &[Vec<Rates<S>>; 2],
+    ) -> (StableStep, Option<usize>, (f64, f64)) {
         let part = self.part.as_ref();
         let [elastic, viscous] = part.map_or_else(Default::default, |p| p.rates(&state.particles));
         let drag = self.external.drag.f64();
@@ -198,7 +292,7 @@ impl<S: Scalar> Solver<S> {
             element: elastic.element,
             never: worst.0 <= 0.0,
         };
-        (step, worst.1)
+        (step, worst.1, worst.2)
     }
 
     fn stiffest_at(&self, node: usize, state: &State<S>) -> Option<u32> {
@@ -216,5 +310,90 @@ impl<S: Scalar> Solver<S> {
             })
             .max_by(|&a, &b| rate(a).total_cmp(&rate(b)))
             .map(|i| i as u32)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::shape::{lattice, sheet};
+    use crate::body::{Blueprint, Material};
+    use crate::math::Vector;
+
+    /// The largest eigenvalue of M⁻¹K \[1/s²\] at rest, by the power method, from below.
+    fn fastest(blueprint: &Blueprint, state: &State<f64>) -> f64 {
+        let nodes = state.particles.len();
+        let mut u: Vec<DVec3> = (0..nodes)
+            .map(|i| {
+                DVec3::new(
+                    (i * 7 % 11) as f64 - 5.0,
+                    (i * 5 % 7) as f64 - 3.0,
+                    (i * 3 % 5) as f64 - 2.0,
+                )
+            })
+            .collect();
+        let mut found = 0.0;
+        for _ in 0..3000 {
+            let mut f = vec![DVec3::ZERO; nodes];
+            for spring in &blueprint.springs {
+                let [a, b] = spring.nodes.map(|n| n as usize);
+                let d = (state.local(b) - state.local(a)).normalize();
+                let pull = d * d.dot(u[b] - u[a]) * f64::from(spring.stiffness);
+                (f[a] -= pull, f[b] += pull);
+            }
+            for (f, p) in f.iter_mut().zip(&state.particles) {
+                *f *= p.inv_mass;
+            }
+            let norm = |u: &[DVec3]| u.iter().map(|u| u.length_squared()).sum::<f64>().sqrt();
+            found = norm(&f);
+            u = f.iter().map(|f| *f / found).collect();
+        }
+        found
+    }
+
+    #[test]
+    fn the_bound_closes_in_on_the_fastest_mode_and_stays_above() {
+        let block = lattice(Vector::new(0.6, 0.4, 0.4), 0.1).unwrap();
+        let cloth = sheet(1.0, 1.0, 10, 10, 2e-3).unwrap();
+        let pinned = cloth.clone().pin(|x| x.x < -0.49);
+        for (name, net) in [("block", block), ("cloth", cloth), ("pinned cloth", pinned)] {
+            let blueprint = Blueprint::resolve(net, |_| Some(Material::rubber()), None).unwrap();
+            let nodes = blueprint.nodes.iter().map(|n| {
+                let w = if n.pinned {
+                    0.0
+                } else {
+                    1.0 / f64::from(n.mass)
+                };
+                (n.position.as_dvec3().to_array(), [0.0; 3], w)
+            });
+            // As long as they are here, in `f64`, so that none resists sideways.
+            let lengths = blueprint.springs.iter().map(|s| {
+                let [a, b] = s
+                    .nodes
+                    .map(|n| blueprint.nodes[n as usize].position.as_dvec3());
+                a.distance(b)
+            });
+            let mut state = State::<f64>::new(nodes, lengths);
+            let undamped = blueprint.springs.iter().map(|s| s.damping(0.0));
+            let solver = Solver::new(&undamped.collect::<Vec<_>>(), &state);
+            let exact = 2.0 / fastest(&blueprint, &state).sqrt();
+            let share = |state: &State<f64>| {
+                solver.stable_step(state, Integrator::SymplecticEuler).h / exact
+            };
+            assert!(
+                (0.8..0.87).contains(&share(&state)),
+                "{name}: {}",
+                share(&state)
+            );
+            solver.learn(&mut state, Integrator::SymplecticEuler);
+            for look in 0..40 {
+                let share = share(&state);
+                assert!(
+                    (0.96..1.0 + 1e-9).contains(&share),
+                    "{name}: {share} at look {look}"
+                );
+                solver.review(&mut state, Integrator::SymplecticEuler);
+            }
+        }
     }
 }

@@ -115,10 +115,10 @@ impl Group {
     }
 }
 
-fn group_substeps(group: &Group, report: &mut StepReport, dt: f64, frame: f64) -> usize {
+fn group_substeps(group: &mut Group, report: &mut StepReport, dt: f64, frame: f64) -> usize {
     let mut most = meet::substeps(group, dt).max(1);
-    for (handle, body) in &group.members {
-        let (n, unstable) = body.substeps_for(dt, frame);
+    for (handle, body) in &mut group.members {
+        let (n, unstable) = body.review(dt, frame);
         most = most.max(n);
         if unstable {
             note(&mut report.unstable, *handle);

@@ -11,6 +11,13 @@ impl Deformable {
         self.solver.stable_step(&self.state, self.integrator())
     }
 
+    /// Makes the table of springs that the first substep would make, and learns how the body swings.
+    pub(super) fn make_ready(&mut self) {
+        let integrator = self.integrator();
+        self.solver.make_ready(&self.state);
+        self.solver.learn(&mut self.state, integrator);
+    }
+
     /// Whether the body is stable within its budget.
     pub(super) fn check_budget(&self) -> Result<(), BuildError> {
         let substeps = self.substeps();
@@ -64,9 +71,19 @@ impl Deformable {
 
     /// How many substeps a stretch of `dt` s needs, and whether it asked for too few. `frame` is the world's step.
     pub(super) fn substeps_for(&self, dt: f64, frame: f64) -> (usize, bool) {
-        let stable = self
-            .solver
-            .longest_stable_step(&self.state, self.integrator());
+        let integrator = self.integrator();
+        let stable = self.solver.longest_stable_step(&self.state, integrator);
+        self.substeps_of(&stable, dt, frame)
+    }
+
+    /// As [`Self::substeps_for`], and takes the opportunity to learn how the body swings, for a longer substep next time.
+    pub(super) fn review(&mut self, dt: f64, frame: f64) -> (usize, bool) {
+        let integrator = self.integrator();
+        let stable = self.solver.review(&mut self.state, integrator);
+        self.substeps_of(&stable, dt, frame)
+    }
+
+    fn substeps_of(&self, stable: &StableStep, dt: f64, frame: f64) -> (usize, bool) {
         let count = |h: f64| ((dt / h).ceil() as usize).max(1);
         let share = |n: usize| ((n as f64 * dt / frame).round() as usize).max(1);
         match self.substeps() {

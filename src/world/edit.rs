@@ -108,10 +108,10 @@ impl Deformable {
         if ok {
             self.edit(|body| {
                 let mass = body.blueprint.nodes[node.index()].mass;
-                let particle = &mut body.state.particles[node.index()];
-                particle.inv_mass = if pinned { 0.0 } else { 1.0 / mass };
+                let inv_mass = if pinned { 0.0 } else { 1.0 / mass };
+                body.state.set_inv_mass(node.index(), inv_mass);
                 if pinned {
-                    particle.v = [0.0; 3];
+                    body.state.particles[node.index()].v = [0.0; 3];
                 }
                 body.blueprint.nodes[node.index()].pinned = pinned;
                 body.led.retain(|(n, _)| pinned || *n != node.0);
@@ -242,9 +242,8 @@ impl Deformable {
     fn put_mass(&mut self, node: NodeId, mass: Real) {
         self.edit(|body| {
             body.blueprint.nodes[node.index()].mass = mass;
-            let particle = &mut body.state.particles[node.index()];
-            if particle.inv_mass > 0.0 {
-                particle.inv_mass = 1.0 / mass;
+            if body.state.particles[node.index()].inv_mass > 0.0 {
+                body.state.set_inv_mass(node.index(), 1.0 / mass);
             }
             if let Some(part) = &mut body.solver.part {
                 let nodes = body.blueprint.nodes.iter();

@@ -176,9 +176,9 @@ impl DeformableWorld {
         if body.node_count() == 0 {
             return Err(BuildError::Empty);
         }
-        body.check_budget()?;
         body.solver.kernel = self.params.kernel;
-        body.solver.make_ready(&body.state);
+        body.make_ready();
+        body.check_budget()?;
         Ok(DeformableHandle(self.bodies.insert(Box::new(body))))
     }
 

@@ -122,7 +122,6 @@ impl Deformable {
     /// Ends a step of the world: led nodes stand at their targets, one-step forces are gone.
     pub(super) fn end_frame(&mut self) {
         self.cache.forget();
-        self.solver.last_substep = None;
         let led = std::mem::take(&mut self.led);
         if self.is_enabled() {
             for (node, target) in led {

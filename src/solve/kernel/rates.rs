@@ -68,16 +68,19 @@ impl Pass for NodeRates<'_> {
 impl NodeRates<'_> {
     #[inline(always)]
     fn of_nodes<V: Vector>(&self, slice: usize, part: usize) -> [Symmetric<V>; 2] {
-        let [x, y, z, inv_mass] = self.table.own(slice).columns::<V>(part, Half::First);
+        let own = self.table.own(slice);
+        let [x, y, z, inv_mass] = own.columns::<V>(part, Half::First);
+        let [.., swing] = own.columns::<V>(part, Half::Second);
+        let per_swing = V::above(swing, V::ZERO, inv_mass / swing, V::ZERO);
         let (mut stiff, mut damp) = ([V::ZERO; 6], [V::ZERO; 6]);
         for (slot, far, which) in self.table.slots(slice) {
             let rest = match self.rest.get(slot) {
                 Some(rest) => V::load(rest, part),
                 None => V::load(&self.table.rests()[which], part),
             };
-            let [.., w] = far.columns::<V>(part, Half::First);
+            let [.., swing] = far.columns::<V>(part, Half::Second);
             let trial = Trial::new([x, y, z], &far, part, rest);
-            let w = inv_mass + w;
+            let w = inv_mass + swing * per_swing;
             let along = self.table.stiffness::<V>(which, part) * w;
             let across = along * sideways(trial.direction, rest, trial.length);
             add_spring(&mut stiff, trial.direction, along, across);
