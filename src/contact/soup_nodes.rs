@@ -3,6 +3,7 @@
 //! A node keeps the point where it was last known to be on its side for as long as it stays in the list, through new lists
 //! and rigid steps: that point, and not the facet that is nearest now, tells whether the node has been pushed through.
 
+use super::feature::BORDER;
 use super::nodes::add;
 use super::site::Site;
 use super::soup::{self, Exit, NodeFacets, Soup};
@@ -130,6 +131,14 @@ impl SoupNodes {
     pub fn add_rows(&mut self, target: &Target, pair: u32, frame: &Frame, site: &mut Site) {
         self.touches.begin();
         let mut found = soup::Touches::default();
+        // What keeps a distance meets a border that is as good as round.
+        let rim = BORDER * site.reach.touching;
+        let sharp = target.skin + self.facets.near(0).radius < rim;
+        let rim = if sharp && !site.side.topology.edges.is_empty() {
+            rim
+        } else {
+            0.0
+        };
         let nodes = self.facets.nodes().iter();
         for (index, (&i, side)) in nodes.zip(&mut self.sides).enumerate() {
             let place = frame.to_local(site.side.state, i);
@@ -138,7 +147,10 @@ impl SoupNodes {
             let gain = site.side.gain(i, site.reach.h).length();
             let reach = site.reach.at(slip.length() + gain).min(site.reach.farthest);
             soup::touches(
-                self.facets.near(index),
+                soup::Near {
+                    rim,
+                    ..self.facets.near(index)
+                },
                 place,
                 frame.axes.transpose() * slip * site.reach.h,
                 *side,

@@ -21,7 +21,7 @@ pub(super) struct Met {
 }
 
 /// How near the border of a face or the end of an edge counts as on it, in distances that count as touching.
-pub(super) const BORDER: f64 = 10.0;
+pub const BORDER: f64 = 10.0;
 
 impl Met {
     /// Whether the point is on the border of this face, within `width` m, and well within another one that looks elsewhere: what

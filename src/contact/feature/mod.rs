@@ -20,6 +20,7 @@ use super::site::Site;
 use super::target::{Frame, Target};
 use crate::solve::rows::Rows;
 use convex::ConvexFeatures;
+pub use making::BORDER;
 #[cfg(feature = "serde-serialize")]
 pub use saved::Saved;
 use sharp::SharpFeatures;

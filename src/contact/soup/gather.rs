@@ -101,6 +101,7 @@ impl NodeFacets {
             slots: &self.slots[range],
             oriented: self.oriented,
             radius: self.radius,
+            rim: 0.0,
         }
     }
 }

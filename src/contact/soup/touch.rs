@@ -72,6 +72,10 @@ pub fn touches(
     let Some(nearest) = near.nearest(p) else {
         return;
     };
+    if nearest.distance < near.rim && near.at_border(nearest.slot, nearest.point) {
+        out.anchor = Some(p);
+        return;
+    }
     let offset = near.radius
         + if offset.is_finite() {
             offset.max(0.0)
