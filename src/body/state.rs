@@ -130,6 +130,36 @@ impl<S: Scalar> State<S> {
         }
     }
 
+    /// The corners of a box around all nodes \[m\], wider than the nodes stand by what rounding may add.
+    pub(crate) fn box_around(&self) -> (DVec3, DVec3) {
+        let first = [S::INFINITY; 4];
+        let (mut lo, mut hi) = (first, first.map(|x| -x));
+        for p in &self.particles {
+            // Four numbers are one vector; the fourth means nothing.
+            let x = [p.x[0], p.x[1], p.x[2], p.inv_mass];
+            for k in 0..4 {
+                lo[k] = x[k].min(lo[k]);
+                hi[k] = x[k].max(hi[k]);
+            }
+        }
+        let corner = |x: [S; 4]| DVec3::new(x[0].f64(), x[1].f64(), x[2].f64());
+        let (lo, hi) = (corner(lo), corner(hi));
+        let low = f64::from(f32::EPSILON) * lo.abs().max(hi.abs());
+        (self.origin + lo - low, self.origin + hi + low)
+    }
+
+    /// Takes over another state of the same body without new memory, all of it or all but its springs.
+    pub(crate) fn take_over(&mut self, other: &Self, springs: bool) {
+        self.origin = other.origin;
+        self.particles.clone_from(&other.particles);
+        self.low.clone_from(&other.low);
+        if springs {
+            self.rest.clone_from(&other.rest);
+            self.flow.clone_from(&other.flow);
+            self.broken.clone_from(&other.broken);
+        }
+    }
+
     /// Mean position of the nodes in the world \[m\].
     pub fn centre(&self) -> DVec3 {
         let n = self.particles.len().max(1) as f64;
@@ -176,6 +206,25 @@ mod tests {
             s.displace(0, [1.0e-9, 0.0, 0.0]);
         }
         assert!((s.local(0).x - 2.001).abs() < 1e-6, "{}", s.local(0).x);
+    }
+
+    #[test]
+    fn a_box_around_nodes_holds_them_all() {
+        let places = [[0.3, -0.1, 2.0], [-0.7, 0.2, 1.0], [0.1, 0.0, -3.0]];
+        let mut s = State::<f32>::new(places.map(|x| (x, [0.0; 3], 1.0)), []);
+        s.origin = DVec3::new(100.0, 0.0, 0.0);
+        for node in 0..3 {
+            s.displace(node, [1e-9, -1e-9, 1e-8]);
+        }
+        let (lo, hi) = s.box_around();
+        let nodes = [0, 1, 2].map(|i| s.position(i));
+        assert!(
+            nodes
+                .iter()
+                .all(|x| lo.cmple(*x).all() && hi.cmpge(*x).all())
+        );
+        assert!((lo - DVec3::new(99.3, -0.1, -3.0)).length() < 1e-6);
+        assert!((hi - DVec3::new(100.3, 0.2, 2.0)).length() < 1e-6);
     }
 
     #[test]

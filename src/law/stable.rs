@@ -20,6 +20,41 @@ pub fn add_spring<S: Number>(m: &mut Symmetric<S>, n: [S; 3], along: S, across: 
     m[5] += d * n[1] * n[2];
 }
 
+/// A cheap upper bound of the largest eigenvalue of a positive matrix: the lesser of trace and row-sum norm.
+#[inline(always)]
+pub fn cheap_bound<S: Number>(m: &Symmetric<S>) -> S {
+    let row = |a: S, b: S, c: S| a + b.abs() + c.abs();
+    let norm = row(m[0], m[3], m[4])
+        .max(row(m[1], m[3], m[5]))
+        .max(row(m[2], m[4], m[5]));
+    norm.min(m[0] + m[1] + m[2])
+}
+
+/// An estimate of the largest eigenvalue of a positive matrix, at most that and at least 0.85 of it: (tr M⁴/tr M²)^½.
+#[inline(always)]
+pub fn about_largest<S: Number>(m: &Symmetric<S>) -> S {
+    // By the trace, or the fourth powers of large ones would be beyond `f32`.
+    let trace = (m[0] + m[1] + m[2]).max(S::of(1e-30));
+    let [a, b, c, d, e, f] = m.map(|x| x / trace);
+    let square = |[a, b, c, d, e, f]: Symmetric<S>| {
+        let off = d * d + e * e + f * f;
+        a * a + b * b + c * c + (off + off)
+    };
+    let squared = [
+        a * a + d * d + e * e,
+        d * d + b * b + f * f,
+        e * e + f * f + c * c,
+        a * d + d * b + e * f,
+        a * e + d * f + e * c,
+        d * e + b * f + f * c,
+    ];
+    let lengths = [
+        square(squared),
+        square([a, b, c, d, e, f]).max(S::of(1e-30)),
+    ];
+    trace * (lengths[0] / lengths[1]).sqrt()
+}
+
 /// The share of its stiffness with which a stretched spring resists sideways, 1 − L/l; 0 for a pressed one. Nodes in one
 /// place have no direction, n = 0, and may part in any: 1. (What is cut has n = 0 and L = l, and resists nowhere.)
 #[inline(always)]
@@ -68,6 +103,38 @@ pub fn midpoint(k: f64, c: f64, relaxation: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn eigenvalues_are_bounded_and_estimated() {
+        // Diagonal ones, turned about z by an angle of 3:4:5.
+        let (c, s) = (0.6_f32, 0.8);
+        for (x, y, z) in [
+            (1.0, 0.0, 0.0),
+            (1.0, 1.0, 1.0),
+            (1.0, 0.6, 0.6),
+            (1.0, 0.6, 0.0),
+            (0.3, 0.2, 1.0),
+        ] {
+            let scale = 1e12_f32;
+            let m = [
+                c * c * x + s * s * y,
+                s * s * x + c * c * y,
+                z,
+                c * s * (x - y),
+                0.0,
+                0.0,
+            ];
+            let m = m.map(|m| m * scale);
+            let bound = cheap_bound(&m) / scale;
+            assert!((1.0 - 1e-6..=3.0).contains(&bound), "{x} {y} {z}: {bound}");
+            let about = about_largest(&m) / scale;
+            assert!((0.85..1.0 + 1e-6).contains(&about), "{x} {y} {z}: {about}");
+        }
+        assert_eq!(
+            (cheap_bound(&[0.0; 6]), about_largest(&[0.0; 6])),
+            (0.0, 0.0)
+        );
+    }
 
     #[test]
     fn one_spring_between_equal_nodes_has_the_textbook_limit() {

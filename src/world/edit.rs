@@ -2,6 +2,7 @@
 //! work, so that the balance stays closed.
 
 use super::Deformable;
+use super::energies::Energies;
 use crate::body::{BuildError, NodeId, Spring, SpringId};
 use crate::contact::target::{Surface, wide_rotation};
 use crate::math::{Pose, Real, Vector, wide};
@@ -12,14 +13,23 @@ use std::sync::Arc;
 impl Deformable {
     /// Books a change made from outside, so that the energy balance stays closed: it is external work.
     pub(super) fn edit<T>(&mut self, change: impl FnOnce(&mut Self) -> T) -> T {
+        self.edit_by(Self::energies, change)
+    }
+
+    /// The same where only such `energies` change.
+    pub(super) fn edit_by<T>(
+        &mut self,
+        energies: fn(&Self) -> Energies,
+        change: impl FnOnce(&mut Self) -> T,
+    ) -> T {
         self.wake_up();
         self.solver.settle(&mut self.state);
-        let before = self.energies().balance();
+        let before = energies(self).balance();
         self.moved_out.clear();
         self.solver.last_substep = None;
         let result = change(self);
         self.cache.forget();
-        let after = self.energies().balance();
+        let after = energies(self).balance();
         self.solver.work.external += after - before;
         result
     }
@@ -208,6 +218,8 @@ impl Deformable {
 
     pub(super) fn rebuild_table(&mut self) {
         self.solver.table = SpringTable::new(&self.blueprint.springs, &self.state);
+        // What has flowed may not do so any more, and is not looked at any more then.
+        self.backup.take_over(&self.state, true);
     }
 
     /// Changes the mass of a node \[kg\].

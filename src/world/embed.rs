@@ -39,7 +39,7 @@ impl Deformable {
 
     /// The corners of the box around all that can touch, and around the nodes \[m\].
     pub(super) fn contact_bounds(&self) -> (DVec3, DVec3) {
-        let (lo, hi) = self.bounds();
+        let (lo, hi) = self.state.box_around();
         let Some(embedded) = &self.embedded else {
             return (lo, hi);
         };

@@ -59,32 +59,8 @@ impl Deformable {
     /// The same without those nodes, and those springs between two of them, that it is not about. Tets, links and work so far
     /// are counted whole.
     pub(super) fn energies_about(&self, about: impl Fn(usize) -> bool) -> Energies {
-        let gravity = self.gravity();
-        let mut energies = Energies {
-            work: self.solver.work,
-            elastic: self.links,
-            ..Energies::default()
-        };
-        // Velocities of symplectic Euler stand half a substep back: ½·h·F·v brings the kinetic energy to the positions'.
-        let lead = if self.integrator() == Integrator::SymplecticEuler {
-            0.5 * self.h
-        } else {
-            0.0
-        };
-        let verlet = self.integrator() == Integrator::VelocityVerlet;
-        for (i, mass) in self.nodes_with_mass() {
-            if self.state.particles[i].inv_mass == 0.0 || !about(i) {
-                continue;
-            }
-            let v = self.state.velocity(i);
-            energies.kinetic += mass * (0.5 * v.length_squared() + lead * gravity.dot(v));
-            if verlet {
-                // Leapfrog by another name: ½m·v⁻·v⁺ with v± = v ± ½h·a.
-                let force = self.solver.force(i) + gravity * mass;
-                energies.kinetic -= 0.125 * (self.h * force).length_squared() / mass;
-            }
-            energies.gravity -= mass * gravity.dot(self.state.position(i) - self.datum);
-        }
+        let mut energies = self.energies_of_those(&about);
+        let lead = self.lead();
         if let Some(part) = &self.solver.part {
             energies.elastic += part.model.energy(|n| self.state.local(n).to_array());
             if lead > 0.0 {
@@ -107,6 +83,45 @@ impl Deformable {
             let last = stiffness * (elongation - self.h * rate);
             energies.work.plastic += plastic::work(last, &mapped);
             energies.kinetic -= lead * mapped.tension * rate;
+        }
+        energies
+    }
+
+    /// Those of its nodes by themselves, and work so far.
+    pub(super) fn energies_of_nodes(&self) -> Energies {
+        self.energies_of_those(|_| true)
+    }
+
+    /// Velocities of symplectic Euler stand half a substep back: ½·h·F·v brings the kinetic energy to the positions' \[s\].
+    fn lead(&self) -> f64 {
+        if self.integrator() == Integrator::SymplecticEuler {
+            0.5 * self.h
+        } else {
+            0.0
+        }
+    }
+
+    fn energies_of_those(&self, about: impl Fn(usize) -> bool) -> Energies {
+        let gravity = self.gravity();
+        let mut energies = Energies {
+            work: self.solver.work,
+            elastic: self.links,
+            ..Energies::default()
+        };
+        let lead = self.lead();
+        let verlet = self.integrator() == Integrator::VelocityVerlet;
+        for (i, mass) in self.nodes_with_mass() {
+            if self.state.particles[i].inv_mass == 0.0 || !about(i) {
+                continue;
+            }
+            let v = self.state.velocity(i);
+            energies.kinetic += mass * (0.5 * v.length_squared() + lead * gravity.dot(v));
+            if verlet {
+                // Leapfrog by another name: ½m·v⁻·v⁺ with v± = v ± ½h·a.
+                let force = self.solver.force(i) + gravity * mass;
+                energies.kinetic -= 0.125 * (self.h * force).length_squared() / mass;
+            }
+            energies.gravity -= mass * gravity.dot(self.state.position(i) - self.datum);
         }
         energies
     }

@@ -4,6 +4,7 @@
 use super::Deformable;
 use crate::body::state::Particle;
 use crate::math::{DVec3, Real, Vector};
+use crate::solve::Integrator;
 use crate::solve::work::Work;
 
 /// What a second prediction starts from.
@@ -23,7 +24,9 @@ impl Deformable {
         self.solver.kernel = self.defaults.kernel;
         let gravity = (gravity * self.gravity_scale).to_array();
         if gravity != self.solver.external.gravity {
-            self.edit(|body| body.solver.external.gravity = gravity);
+            self.edit_by(Self::energies_of_nodes, |body| {
+                body.solver.external.gravity = gravity;
+            });
         }
         let forces = &mut self.solver.external.node_forces;
         forces.clear();
@@ -42,8 +45,14 @@ impl Deformable {
     /// Moves freely over h s.
     pub(super) fn predict(&mut self, h: f64) {
         if self.h == 0.0 {
-            // Leapfrog starts with the velocities half a substep back, and what they lack of the energy is known only now.
-            self.edit(|body| body.h = h);
+            // Leapfrog starts with the velocities half a substep back, and what they lack of the energy is known only now:
+            // nothing where the power of all forces is none.
+            let still = self.solver.speed_squared == 0.0;
+            if still && self.integrator() != Integrator::VelocityVerlet {
+                self.h = h;
+            } else {
+                self.edit(|body| body.h = h);
+            }
         }
         self.h = h;
         if !self.integrator().takes_late_impulses() {
@@ -138,7 +147,8 @@ impl Deformable {
 
     /// Remembers what [`Self::go_back`] goes back to.
     pub(super) fn back_up(&mut self) {
-        self.backup.clone_from(&self.state);
+        let flows = !self.solver.table.limits.is_empty();
+        self.backup.take_over(&self.state, flows);
         self.work_backup = self.solver.work;
         self.links_backup = self.links;
     }
@@ -147,7 +157,7 @@ impl Deformable {
     pub(super) fn go_back(&mut self) {
         self.cache.forget();
         self.moved_out.clear();
-        self.state.clone_from(&self.backup);
+        self.state.take_over(&self.backup, true);
         self.solver.work = self.work_backup;
         self.links = self.links_backup;
         self.solver.events.clear();

@@ -35,10 +35,10 @@ impl Mirror {
         (self.margin + LANES * slice).wrapping_add_signed(step as isize)
     }
 
-    /// What copies the places of all nodes, and their velocities if wanted.
-    pub fn copying<'a>(&'a mut self, table: Table<'a>, velocities: bool) -> Copying<'a> {
+    /// What copies the places of all nodes, and what else is wanted.
+    pub fn copying<'a>(&'a mut self, table: Table<'a>, copied: Copied) -> Copying<'a> {
         Copying {
-            velocities,
+            copied,
             slices: 0..table.slices(),
             margin: self.margin,
             columns: self.columns.span(),
@@ -47,13 +47,22 @@ impl Mirror {
     }
 }
 
+/// What is copied besides places, to the three columns behind them.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Copied {
+    Nothing,
+    Velocities,
+    /// To the first of the three.
+    Swings,
+}
+
 /// Copies the nodes of some slices.
 pub struct Copying<'a> {
     table: Table<'a>,
     slices: Range<usize>,
     margin: usize,
     columns: Span<'a>,
-    velocities: bool,
+    copied: Copied,
 }
 
 impl Work for Copying<'_> {
@@ -78,17 +87,17 @@ impl Pass for Copying<'_> {
 
     #[inline(always)]
     fn run<V: Vector>(self) {
-        if self.velocities {
-            self.copy::<V, true>();
-        } else {
-            self.copy::<V, false>();
+        match self.copied {
+            Copied::Nothing => self.copy::<V, false, false>(),
+            Copied::Velocities => self.copy::<V, true, false>(),
+            Copied::Swings => self.copy::<V, false, true>(),
         }
     }
 }
 
 impl Copying<'_> {
     #[inline(always)]
-    fn copy<V: Vector, const VELOCITIES: bool>(mut self) {
+    fn copy<V: Vector, const VELOCITIES: bool, const SWINGS: bool>(mut self) {
         let together = self.table.together();
         for slice in self.slices.clone() {
             for part in 0..LANES / V::LANES {
@@ -99,21 +108,24 @@ impl Copying<'_> {
                         [Half::First, Half::Second].map(|half| own.columns::<V>(part, half))
                     }
                 };
-                self.put::<V, VELOCITIES>((slice, part), columns);
+                self.put::<V, VELOCITIES, SWINGS>((slice, part), columns);
             }
         }
     }
 
     #[inline(always)]
-    fn put<V: Vector, const VELOCITIES: bool>(
+    fn put<V: Vector, const VELOCITIES: bool, const SWINGS: bool>(
         &mut self,
         (slice, part): (usize, usize),
-        [[x, y, z, _], [u, v, w, _]]: [[V; 4]; 2],
+        [[x, y, z, _], [u, v, w, swing]]: [[V; 4]; 2],
     ) {
         let first = self.margin + LANES * slice + part * V::LANES;
         self.columns.put(first, Three::First, [x, y, z]);
         if VELOCITIES {
             self.columns.put(first, Three::Second, [u, v, w]);
+        }
+        if SWINGS {
+            self.columns.put(first, Three::Second, [swing; 3]);
         }
     }
 }
@@ -129,5 +141,11 @@ impl<V: Vector> End<V> for Run<'_> {
     #[inline(always)]
     fn velocity(&self, part: usize) -> [V; 3] {
         self.three(Three::Second, part)
+    }
+
+    #[inline(always)]
+    fn swing(&self, part: usize) -> V {
+        let [swing, ..] = self.three(Three::Second, part);
+        swing
     }
 }

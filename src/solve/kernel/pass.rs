@@ -1,6 +1,7 @@
 //! The force pass over springs by rows: [`crate::solve::forces`] has the same as a scalar loop.
 
 use super::limits::{Book, Limited, Outcome};
+use super::mirror::Copied;
 use super::sell::{LEAST_SQUARE, Sell};
 use super::table::{End, Free, Rule, Table};
 use super::vector::{Half, LANES, Pass, Runs, Vector, Width, Writer, put, run};
@@ -50,7 +51,12 @@ pub(crate) fn spring_forces(
         .is_some_and(|l| l.any_touched(&layout.regular));
     let velocities = nodes.is_damped() || touched;
     if layout.regular.contains(&true) {
-        share(mirror.copying(nodes, velocities), parts, &|copying| {
+        let copied = if velocities {
+            Copied::Velocities
+        } else {
+            Copied::Nothing
+        };
+        share(mirror.copying(nodes, copied), parts, &|copying| {
             run(kernel, copying)
         });
     }

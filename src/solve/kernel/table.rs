@@ -22,6 +22,8 @@ pub trait End<V> {
     fn place(&self, part: usize) -> [V; 3];
     /// Their velocities \[m/s\].
     fn velocity(&self, part: usize) -> [V; 3];
+    /// How far they swing, see [`Particle::swing`].
+    fn swing(&self, part: usize) -> V;
 }
 
 impl<V: Vector> End<V> for Slot<'_, Particle<f32>> {
@@ -37,6 +39,12 @@ impl<V: Vector> End<V> for Slot<'_, Particle<f32>> {
     fn velocity(&self, part: usize) -> [V; 3] {
         let [x, y, z, _] = self.columns(part, Half::Second);
         [x, y, z]
+    }
+
+    #[inline(always)]
+    fn swing(&self, part: usize) -> V {
+        let [.., swing] = self.columns(part, Half::Second);
+        swing
     }
 }
 
