@@ -152,13 +152,19 @@ fn velocity<S: Scalar>(p: &Particle<S>) -> Lanes<S> {
     [p.v[0], p.v[1], p.v[2], p.swing]
 }
 
-/// Direction from `a` to `b` (the fourth lane means nothing), and their distance. Coincident nodes have no direction and
-/// get no force.
+/// The way from `a` to `b` (the fourth lane means nothing), its length, and 1/length. Coincident nodes get no force.
 #[inline(always)]
-pub(crate) fn axis<S: Scalar>(a: &Particle<S>, b: &Particle<S>) -> (Lanes<S>, S) {
+fn reach<S: Scalar>(a: &Particle<S>, b: &Particle<S>) -> (Lanes<S>, S, S) {
     let d = sub(position(b), position(a));
     let length = dot_lanes(d, d).max(S::of(1e-30)).sqrt();
-    (scale(d, S::ONE / length), length)
+    (d, length, S::ONE / length)
+}
+
+/// Direction from `a` to `b` (the fourth lane means nothing), and their distance. Coincident nodes have no direction.
+#[inline(always)]
+pub(crate) fn axis<S: Scalar>(a: &Particle<S>, b: &Particle<S>) -> (Lanes<S>, S) {
+    let (d, length, inverse) = reach(a, b);
+    (scale(d, inverse), length)
 }
 
 fn pass<S: Scalar, const LIMITED: bool, const COMMIT: bool, const DAMPED: bool>(
@@ -178,7 +184,7 @@ fn pass<S: Scalar, const LIMITED: bool, const COMMIT: bool, const DAMPED: bool>(
     for (i, link) in links.iter().enumerate() {
         let (ia, ib) = (link.a as usize, link.b as usize);
         let (a, b) = (&particles[ia], &particles[ib]);
-        let (n, length) = axis(a, b);
+        let (d, length, inverse) = reach(a, b);
         let elongation = length - rest[i];
         let mut tension = spring::tension(link.stiffness, elongation);
         let mut viscosity = link.damping;
@@ -197,7 +203,7 @@ fn pass<S: Scalar, const LIMITED: bool, const COMMIT: bool, const DAMPED: bool>(
                 };
                 if mapped.flow != S::ZERO {
                     // The trapezoid, as for every other work: the tension of the last commit follows from the rate.
-                    let rate = dot_lanes(sub(velocity(b), velocity(a)), n);
+                    let rate = dot_lanes(sub(velocity(b), velocity(a)), d) * inverse;
                     let last = link.stiffness * (elongation - h * rate);
                     happened.plastic += plastic::work(last, &mapped).f64();
                     if flows[i] == S::ZERO {
@@ -214,10 +220,10 @@ fn pass<S: Scalar, const LIMITED: bool, const COMMIT: bool, const DAMPED: bool>(
                 }
             }
         }
-        let pull = scale(n, tension);
+        let pull = scale(d, tension * inverse);
         if DAMPED {
-            let rate = dot_lanes(sub(velocity(b), velocity(a)), n);
-            let viscous = scale(n, spring::damping(viscosity, rate));
+            let rate = dot_lanes(sub(velocity(b), velocity(a)), d) * inverse;
+            let viscous = scale(d, spring::damping(viscosity, rate) * inverse);
             add_to(&mut forces[ia].damping, viscous);
             add_to(&mut forces[ib].damping, scale(viscous, -S::ONE));
         }

@@ -1,7 +1,10 @@
-//! The pass of symplectic Euler over nodes, sixteen at a time; see [`crate::solve::integrate`] for what it does.
+//! The pass of symplectic Euler over nodes; see [`crate::solve::integrate`] for what it does.
+//!
+//! Rows stay rows: a vector holds x, y, z of one, two or four nodes and a fourth number of each that goes along. To make
+//! columns of rows, and rows of columns again, would take longer than to compute a fourth number for nothing.
 
 use super::SLICES;
-use super::vector::{LANES, Pass, Vector, Wide, columns, columns_of_four, put, put_four, run};
+use super::vector::{LANES, Pass, Vector, Wide, numbers, numbers_mut, run};
 use crate::body::state::{Particle, State};
 use crate::math::two_sum;
 use crate::solve::forces::Force;
@@ -128,9 +131,11 @@ impl Nodes<'_> {
     #[inline(always)]
     fn runs<V: Vector, const DAMPED: bool, const APPLIED: bool>(self) {
         let constants = Constants {
-            gravity: self.gravity.map(|g| V::of(g.into())),
-            h: V::of(self.h.into()),
-            half: V::of((0.5 * self.h).into()),
+            // What stands in the fourth place, 1/m and the swing, does not change.
+            gravity: threes(self.gravity),
+            h: threes([self.h; 3]),
+            half: threes([0.5 * self.h; 3]),
+            one: threes([1.0; 3]),
             still: V::of(STILL),
         };
         for (block, totals) in self.totals.iter_mut().enumerate() {
@@ -140,14 +145,20 @@ impl Nodes<'_> {
             for part in 0..LANES / V::LANES {
                 let mut lanes = Lanes::<V>::default();
                 for group in groups.clone() {
-                    let nodes = (&mut self.particles[group], &mut self.low[group]);
+                    let particles = numbers_mut(&mut self.particles[group]);
+                    let low = self.low[group].as_flattened_mut();
+                    let forces = numbers(&self.forces[group]);
                     let applied = if APPLIED {
-                        &self.applied[group]
+                        self.applied[group].as_flattened()
                     } else {
-                        &[[0.0; 3]; LANES]
+                        &[]
                     };
-                    let forces = (&self.forces[group], applied);
-                    lanes.step::<DAMPED, APPLIED>(nodes, forces, part, &constants);
+                    // Sixteen numbers of each column in turn, so that sums do not depend on the width.
+                    for first in (0..4 * LANES).step_by(LANES) {
+                        let first = first + part * V::LANES;
+                        let nodes = (&mut *particles, &mut *low);
+                        lanes.step::<DAMPED, APPLIED>(nodes, (forces, applied), first, &constants);
+                    }
                 }
                 lanes.damping.store(&mut sums[0], part);
                 lanes.external.store(&mut sums[1], part);
@@ -165,10 +176,26 @@ impl Nodes<'_> {
     }
 }
 
+/// Three numbers for each node, and 0.
+#[inline(always)]
+fn threes<V: Vector>([x, y, z]: [f32; 3]) -> V {
+    let four = [x, y, z, 0.0];
+    V::load_from([four; LANES / 4].as_flattened())
+}
+
+/// Both halves of the rows of eight numbers whose halves begin with the so many-th number.
+#[inline(always)]
+fn halves<V: Vector>(rows: &[f32; 8 * LANES], first: usize) -> [V; 2] {
+    let rows = &rows[2 * first..][..2 * V::LANES];
+    V::halves([V::load_from(rows), V::load_from(&rows[V::LANES..])])
+}
+
+/// In fourth place 0.
 struct Constants<V> {
-    gravity: [V; 3],
+    gravity: V,
     h: V,
     half: V,
+    one: V,
     still: V,
 }
 
@@ -182,56 +209,63 @@ struct Lanes<V> {
 }
 
 impl<V: Vector> Lanes<V> {
-    /// Moves a part of a group.
+    /// Moves the nodes whose positions begin with the so many-th number.
     #[inline(always)]
     fn step<const DAMPED: bool, const APPLIED: bool>(
         &mut self,
-        (particles, low): (&mut [Particle<f32>; LANES], &mut [[f32; 4]; LANES]),
-        (forces, applied): (&[Force<f32>; LANES], &[[f32; 3]; LANES]),
-        part: usize,
+        (particles, low): (&mut [f32; 8 * LANES], &mut [f32]),
+        (forces, applied): (&[f32; 8 * LANES], &[f32]),
+        first: usize,
         c: &Constants<V>,
     ) {
-        let [elastic, mut damping] = columns::<V, _>(forces, part);
-        if !DAMPED {
-            damping = [V::ZERO; 4];
-        }
-        let [mut at, mut velocity] = columns::<V, _>(particles, part);
-        let mut below = columns_of_four::<V>(low, part);
-        let inv_mass = at[3];
+        let low = &mut low[first..][..V::LANES];
+        let [elastic, damping] = halves::<V>(forces, first);
+        let [at, old] = halves::<V>(particles, first);
+        let inv_mass = at.last_of_four();
         let free = V::above(inv_mass, V::ZERO, V::ONE, V::ZERO);
-        let (mut by_damping, mut by_elastic, mut outside) = (V::ZERO, V::ZERO, V::ZERO);
-        let mut squared = V::ZERO;
-        for k in 0..3 {
-            let mut force = elastic[k] + damping[k];
-            let mut push = V::ZERO;
-            if APPLIED {
-                push = V::of_lanes(|l| applied[part * V::LANES + l][k].into());
-                force += push;
-            }
-            let old = velocity[k];
-            let new = old + c.h * (c.gravity[k] * free + force * inv_mass);
-            // What is not a number stays so: its product with 0 is none either.
-            let new = V::above(new.abs(), c.still, new, new * V::ZERO);
-            let mean = c.half * (old + new);
-            velocity[k] = new;
-            squared += new * new;
-            by_elastic += elastic[k] * mean;
-            if DAMPED {
-                by_damping += damping[k] * mean;
-            }
-            if APPLIED {
-                outside += push * mean;
-            }
-            (at[k], below[k]) = two_sum(at[k], c.h * new + below[k]);
+        let mut force = elastic;
+        if DAMPED {
+            force += damping;
+        }
+        let mut push = V::ZERO;
+        if APPLIED {
+            push = V::of_lanes(|l| {
+                let (node, axis) = ((first + l) / 4, l % 4);
+                if axis < 3 {
+                    applied[3 * node + axis].into()
+                } else {
+                    0.0
+                }
+            });
+            force += push;
+        }
+        let new = old + c.h * (c.gravity * free + force * inv_mass);
+        // What is not a number stays so: its product with 0 is none either.
+        let new = V::above(new.abs(), c.still, new, new * V::ZERO);
+        let mean = c.half * (old + new);
+        let by_elastic = elastic * mean;
+        let mut work = by_elastic;
+        if DAMPED {
+            let by_damping = damping * mean;
+            work += by_damping;
+            self.damping -= by_damping;
+        }
+        let mut outside = V::ZERO;
+        if APPLIED {
+            outside = push * mean;
+            work += outside;
         }
         // Whatever holds a pinned node takes up the work on it.
-        let work = by_elastic + by_damping + outside;
         let held = V::above(inv_mass, V::ZERO, V::ZERO, work);
-        self.damping -= by_damping;
         self.external += outside - held;
-        self.fastest = squared.max(self.fastest);
+        let squared = new * new * c.one;
+        self.fastest = squared.sums_of_four().max(self.fastest);
         self.all_speeds += squared;
-        put(particles, part, [at, velocity]);
-        put_four(low, part, below);
+        let (at, below) = two_sum(at, c.h * new + V::load_from(low));
+        below.store_to(low);
+        let to = &mut particles[2 * first..][..2 * V::LANES];
+        let [a, b] = V::rows([at, new]);
+        a.store_to(to);
+        b.store_to(&mut to[V::LANES..]);
     }
 }

@@ -279,9 +279,11 @@ pub(super) struct Nodes<V> {
 /// A spring of each lane as if it had no limits.
 #[derive(Clone, Copy)]
 pub(super) struct Trial<V> {
-    /// From the row's node to the other.
-    pub direction: [V; 3],
+    /// From the row's node to the other \[m\].
+    pub reach: [V; 3],
     pub length: V,
+    /// 1/length \[1/m\].
+    pub inverse: V,
     pub elongation: V,
 }
 
@@ -300,12 +302,23 @@ impl<V: Vector> Trial<V> {
     pub fn new(at: [V; 3], far: &impl End<V>, part: usize, rest: V) -> Self {
         let d = difference(far.place(part), at);
         let length = dot(d, d).max(V::of(LEAST_SQUARE.into())).sqrt();
-        let inverse = V::ONE / length;
         Self {
-            direction: [d[0] * inverse, d[1] * inverse, d[2] * inverse],
+            reach: d,
             length,
+            inverse: V::ONE / length,
             elongation: length - rest,
         }
+    }
+
+    /// From the row's node to the other.
+    #[inline(always)]
+    pub fn direction(&self) -> [V; 3] {
+        let d = self.reach;
+        [
+            d[0] * self.inverse,
+            d[1] * self.inverse,
+            d[2] * self.inverse,
+        ]
     }
 
     /// The same, with neither length nor elongation in lanes that have no spring, and so no stiffness.
@@ -348,17 +361,18 @@ impl<V: Vector> Nodes<V> {
     /// Adds springs of this tension \[N\].
     #[inline(always)]
     pub fn pull(&mut self, trial: &Trial<V>, tension: V) {
+        let share = tension * trial.inverse;
         for k in 0..3 {
-            self.elastic[k] += trial.direction[k] * tension;
+            self.elastic[k] += trial.reach[k] * share;
         }
     }
 
     /// Adds what damps them.
     #[inline(always)]
     pub fn damp(&mut self, trial: &Trial<V>, rate: V, viscosity: V) {
-        let tension = spring::damping(viscosity, rate);
+        let share = spring::damping(viscosity, rate) * trial.inverse;
         for k in 0..3 {
-            self.damping[k] += trial.direction[k] * tension;
+            self.damping[k] += trial.reach[k] * share;
         }
     }
 
@@ -366,7 +380,7 @@ impl<V: Vector> Nodes<V> {
     #[inline(always)]
     pub fn rate(&self, trial: &Trial<V>, far: &impl End<V>, part: usize) -> V {
         let velocity = difference(far.velocity(part), self.velocity);
-        dot(velocity, trial.direction)
+        dot(velocity, trial.reach) * trial.inverse
     }
 }
 

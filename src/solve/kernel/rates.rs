@@ -115,11 +115,12 @@ impl NodeRates<'_> {
             let trial = Trial::new([x, y, z], &far, part, rest);
             let w = inv_mass + far.swing(part) * per_swing;
             let along = self.table.stiffness::<V>(which, part) * w;
-            let across = along * sideways(trial.direction, rest, trial.length);
-            add_spring(&mut stiff, trial.direction, along, across);
+            let direction = trial.direction();
+            let across = along * sideways(direction, rest, trial.length);
+            add_spring(&mut stiff, direction, along, across);
             if self.damp.is_some() {
                 let along = self.table.damping::<V>(which, part) * w;
-                add_spring(&mut damp, trial.direction, along, V::ZERO);
+                add_spring(&mut damp, direction, along, V::ZERO);
             }
         }
         [stiff, damp]

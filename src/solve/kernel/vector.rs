@@ -20,7 +20,7 @@ use super::Kernel;
 use crate::math::{Pack, Packed};
 
 pub use crate::math::{LANES, Wide};
-pub use rows::{Half, Places, Reader, Slot, Writer, columns, columns_of_four, put, put_four};
+pub use rows::{Half, Places, Reader, Slot, Writer, columns, numbers, numbers_mut, put, put_four};
 pub use runs::{Columns, Run, Runs, Span, Starts, Three};
 
 /// One, four, eight or sixteen `f32`.
@@ -46,19 +46,18 @@ pub trait Vector: Packed<f32> {
     /// # Safety
     /// Each pointer must be good for writing four numbers.
     unsafe fn put_columns(columns: [Self; 4], row: impl Fn(usize) -> *mut f32);
-    /// The four columns of as many rows of four numbers as there are lanes, one behind the other.
+    /// Of two vectors full of rows of eight numbers, one behind the other, the first halves of all rows and the second halves.
+    fn halves(rows: [Self; 2]) -> [Self; 2];
+    /// The rows of such halves.
+    fn rows(halves: [Self; 2]) -> [Self; 2];
+    /// Of each four numbers the last, four times.
+    fn last_of_four(self) -> Self;
+    /// The sum of each four numbers, (a + b) + (c + d), four times.
+    fn sums_of_four(self) -> Self;
+    /// Writes columns as rows of four numbers, one behind the other.
     ///
     /// # Safety
-    /// The pointer must be good for reading them.
-    #[inline(always)]
-    unsafe fn columns_of_four(rows: *const f32) -> [Self; 4] {
-        // SAFETY: the caller's.
-        unsafe { Self::columns(|l| rows.add(4 * l)) }
-    }
-    /// Writes columns as such rows.
-    ///
-    /// # Safety
-    /// The pointer must be good for writing them.
+    /// The pointer must be good for writing as many of them as there are lanes.
     #[inline(always)]
     unsafe fn put_four(columns: [Self; 4], rows: *mut f32) {
         // SAFETY: the caller's.

@@ -31,6 +31,28 @@ impl Vector for Pack<f32> {
     }
 
     #[inline(always)]
+    fn halves(rows: [Self; 2]) -> [Self; 2] {
+        // A vector is half a row.
+        rows
+    }
+
+    #[inline(always)]
+    fn rows(halves: [Self; 2]) -> [Self; 2] {
+        halves
+    }
+
+    #[inline(always)]
+    fn last_of_four(self) -> Self {
+        Self([self.0[3]; 4])
+    }
+
+    #[inline(always)]
+    fn sums_of_four(self) -> Self {
+        let [a, b, c, d] = self.0;
+        Self([(a + b) + (c + d); 4])
+    }
+
+    #[inline(always)]
     unsafe fn columns(row: impl Fn(usize) -> *const f32) -> [Self; 4] {
         // SAFETY: the caller vouches for four numbers at each pointer.
         let row = |l| unsafe { *row(l).cast::<[f32; 4]>() };

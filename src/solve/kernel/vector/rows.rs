@@ -187,18 +187,24 @@ pub fn put<V: Vector, R: Row>(rows: &mut [R; LANES], part: usize, columns: [[V; 
     unsafe { V::put_eight(columns, rows.as_mut_ptr().cast()) }
 }
 
-/// Part of sixteen times four numbers that lie together, column by column.
+/// The numbers of sixteen rows that lie together.
 #[inline(always)]
-pub fn columns_of_four<V: Vector>(rows: &[[f32; 4]; LANES], part: usize) -> [V; 4] {
-    let rows = &rows[part * V::LANES..][..V::LANES];
-    // SAFETY: there are four numbers for each lane.
-    unsafe { V::columns_of_four(rows.as_ptr().cast()) }
+pub fn numbers<R: Row>(rows: &[R; LANES]) -> &[f32; 8 * LANES] {
+    // SAFETY: each row is eight numbers, aligned to more than one of them (`Row`).
+    unsafe { &*std::ptr::from_ref(rows).cast() }
+}
+
+/// The same to write to.
+#[inline(always)]
+pub fn numbers_mut<R: Row>(rows: &mut [R; LANES]) -> &mut [f32; 8 * LANES] {
+    // SAFETY: as in `numbers`, borrowed for writing; any numbers are allowed (`Row`).
+    unsafe { &mut *std::ptr::from_mut(rows).cast() }
 }
 
 /// Writes part of sixteen times four numbers that lie together.
 #[inline(always)]
 pub fn put_four<V: Vector>(rows: &mut [[f32; 4]; LANES], part: usize, columns: [V; 4]) {
     let rows = &mut rows[part * V::LANES..][..V::LANES];
-    // SAFETY: as in `columns_of_four`, borrowed for writing.
+    // SAFETY: there are four numbers for each lane, borrowed for writing.
     unsafe { V::put_four(columns, rows.as_mut_ptr().cast()) }
 }

@@ -123,6 +123,38 @@ impl Vector for F8 {
     }
 
     #[inline(always)]
+    fn halves([a, b]: [Self; 2]) -> [Self; 2] {
+        // SAFETY: see the top.
+        unsafe {
+            [
+                Self(_mm256_permute2f128_ps::<0x20>(a.0, b.0)),
+                Self(_mm256_permute2f128_ps::<0x31>(a.0, b.0)),
+            ]
+        }
+    }
+
+    #[inline(always)]
+    fn rows(halves: [Self; 2]) -> [Self; 2] {
+        // Two by two, so that it is its own reverse.
+        Self::halves(halves)
+    }
+
+    #[inline(always)]
+    fn last_of_four(self) -> Self {
+        // SAFETY: see the top.
+        Self(unsafe { _mm256_permute_ps::<0xff>(self.0) })
+    }
+
+    #[inline(always)]
+    fn sums_of_four(self) -> Self {
+        // SAFETY: see the top.
+        unsafe {
+            let pairs = self + Self(_mm256_permute_ps::<0xb1>(self.0));
+            pairs + Self(_mm256_permute_ps::<0x4e>(pairs.0))
+        }
+    }
+
+    #[inline(always)]
     unsafe fn columns(row: impl Fn(usize) -> *const f32) -> [Self; 4] {
         // SAFETY: the caller vouches for four numbers at each pointer; see also the top.
         unsafe {

@@ -124,6 +124,46 @@ impl Vector for F16 {
     }
 
     #[inline(always)]
+    fn halves([a, b]: [Self; 2]) -> [Self; 2] {
+        // SAFETY: see the top.
+        unsafe {
+            [
+                Self(_mm512_shuffle_f32x4::<0x88>(a.0, b.0)),
+                Self(_mm512_shuffle_f32x4::<0xdd>(a.0, b.0)),
+            ]
+        }
+    }
+
+    #[inline(always)]
+    fn rows([first, second]: [Self; 2]) -> [Self; 2] {
+        // SAFETY: see the top.
+        unsafe {
+            let (a, b) = (_mm512_castps_pd(first.0), _mm512_castps_pd(second.0));
+            let few = _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11);
+            let more = _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
+            [
+                Self(_mm512_castpd_ps(_mm512_permutex2var_pd(a, few, b))),
+                Self(_mm512_castpd_ps(_mm512_permutex2var_pd(a, more, b))),
+            ]
+        }
+    }
+
+    #[inline(always)]
+    fn last_of_four(self) -> Self {
+        // SAFETY: see the top.
+        Self(unsafe { _mm512_permute_ps::<0xff>(self.0) })
+    }
+
+    #[inline(always)]
+    fn sums_of_four(self) -> Self {
+        // SAFETY: see the top.
+        unsafe {
+            let pairs = self + Self(_mm512_permute_ps::<0xb1>(self.0));
+            pairs + Self(_mm512_permute_ps::<0x4e>(pairs.0))
+        }
+    }
+
+    #[inline(always)]
     unsafe fn columns(row: impl Fn(usize) -> *const f32) -> [Self; 4] {
         // SAFETY: the caller vouches for four numbers at each pointer; see also the top.
         unsafe {
@@ -164,33 +204,8 @@ impl Vector for F16 {
     }
 
     #[inline(always)]
-    unsafe fn columns_of_four(rows: *const f32) -> [Self; 4] {
-        // SAFETY: the caller vouches for 64 numbers; see also the top.
-        unsafe {
-            let (a, b) = (_mm512_loadu_ps(rows), _mm512_loadu_ps(rows.add(16)));
-            let (c, d) = (_mm512_loadu_ps(rows.add(32)), _mm512_loadu_ps(rows.add(48)));
-            // Of eight rows each, the first two columns and the last two.
-            let (first, last) = (eighths(0), eighths(2));
-            let (xy, zw) = (
-                _mm512_permutex2var_ps(a, first, b),
-                _mm512_permutex2var_ps(a, last, b),
-            );
-            let (xy_behind, zw_behind) = (
-                _mm512_permutex2var_ps(c, first, d),
-                _mm512_permutex2var_ps(c, last, d),
-            );
-            [
-                Self(_mm512_shuffle_f32x4::<0x44>(xy, xy_behind)),
-                Self(_mm512_shuffle_f32x4::<0xee>(xy, xy_behind)),
-                Self(_mm512_shuffle_f32x4::<0x44>(zw, zw_behind)),
-                Self(_mm512_shuffle_f32x4::<0xee>(zw, zw_behind)),
-            ]
-        }
-    }
-
-    #[inline(always)]
     unsafe fn put_four([x, y, z, w]: [Self; 4], rows: *mut f32) {
-        // SAFETY: as in `columns_of_four`.
+        // SAFETY: the caller vouches for 64 numbers; see also the top.
         unsafe {
             let xy = _mm512_shuffle_f32x4::<0x44>(x.0, y.0);
             let xy_behind = _mm512_shuffle_f32x4::<0xee>(x.0, y.0);
