@@ -308,6 +308,12 @@ fn nodes_that_are_squeezed() {
     all_of([563, 707, 763, 773, 879]);
 }
 
+/// Blocks by RK4, crushed and pushed out again.
+#[test]
+fn blocks_by_rk4() {
+    all_of([263, 356, 450]);
+}
+
 #[test]
 #[ignore = "long: many minutes"]
 fn a_thousand_seeds() {
