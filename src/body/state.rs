@@ -48,6 +48,14 @@ pub struct State<S> {
     pub broken: Vec<bool>,
 }
 
+impl<S: Scalar> Particle<S> {
+    /// Its swing, or 1/m where it has none: a free node swings.
+    pub(crate) fn sound_swing(&self) -> S {
+        let known = self.inv_mass > S::ZERO && self.swing > S::ZERO;
+        if known { self.swing } else { self.inv_mass }
+    }
+}
+
 impl<S: Scalar> State<S> {
     /// A state of nodes at rest positions, and springs of given rest lengths.
     pub fn new(
@@ -113,12 +121,11 @@ impl<S: Scalar> State<S> {
         self.particles[node].v = [S::of(v.x), S::of(v.y), S::of(v.z)];
     }
 
-    /// Sets the inverse mass of a node \[1/kg\], 0 to pin it. What was known of the fastest mode is void then.
+    /// Sets the inverse mass of a node \[1/kg\], 0 to pin it. It counts as one that swings far from then on, which is learned
+    /// anew in time.
     pub fn set_inv_mass(&mut self, node: usize, inv_mass: S) {
-        self.particles[node].inv_mass = inv_mass;
-        for particle in &mut self.particles {
-            particle.swing = particle.inv_mass;
-        }
+        let particle = &mut self.particles[node];
+        (particle.inv_mass, particle.swing) = (inv_mass, inv_mass);
     }
 
     /// Moves a node by `by` \[m\] without losing what is below the spacing of its position.
@@ -148,16 +155,18 @@ impl<S: Scalar> State<S> {
         (self.origin + lo - low, self.origin + hi + low)
     }
 
-    /// Takes over another state of the same body without new memory, all of it or all but its springs.
-    pub(crate) fn take_over(&mut self, other: &Self, springs: bool) {
+    /// Takes over the nodes of another state of the same body without new memory.
+    pub(crate) fn take_over_nodes(&mut self, other: &Self) {
         self.origin = other.origin;
         self.particles.clone_from(&other.particles);
         self.low.clone_from(&other.low);
-        if springs {
-            self.rest.clone_from(&other.rest);
-            self.flow.clone_from(&other.flow);
-            self.broken.clone_from(&other.broken);
-        }
+    }
+
+    /// The same for what springs have become.
+    pub(crate) fn take_over_springs(&mut self, other: &Self) {
+        self.rest.clone_from(&other.rest);
+        self.flow.clone_from(&other.flow);
+        self.broken.clone_from(&other.broken);
     }
 
     /// Mean position of the nodes in the world \[m\].

@@ -120,8 +120,9 @@ impl Candidates {
         let farthest = site.reach.farthest.max(near);
         self.nodes
             .refresh(&self.target, site.side.state, &frame, closing, farthest);
-        self.nodes
-            .add_rows((&self.target, self.pair), &frame, &mut site, self.way);
+        let on_edges = self.features.as_ref();
+        let nodes = (&self.target, self.pair, on_edges);
+        self.nodes.add_rows(nodes, &frame, &mut site, self.way);
         if let Some(features) = &mut self.features {
             features.add_rows(&self.target, self.pair, &frame, &mut site, self.way);
         }

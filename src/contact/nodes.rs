@@ -1,5 +1,6 @@
 //! Nodes near one target, and their rows.
 
+use super::feature::Features;
 use super::form::Form;
 use super::site::Site;
 use super::solid_nodes::SolidNodes;
@@ -69,10 +70,11 @@ impl Nodes {
         }
     }
 
-    /// Rows for every node that can touch within the substep; `way` is how far body and collider have moved in all \[m\].
+    /// Rows for every node that can touch within the substep, unless edges among the features bear it; `way` is how far body
+    /// and collider have moved in all \[m\].
     pub fn add_rows(
         &mut self,
-        (target, pair): (&Target, u32),
+        (target, pair, features): (&Target, u32, Option<&Features>),
         frame: &Frame,
         site: &mut Site,
         way: f64,
@@ -81,7 +83,9 @@ impl Nodes {
             (Form::Solid(solid), Self::Solid(nodes)) => {
                 nodes.add_rows(solid, (target, pair), (frame, way), site);
             }
-            (Form::Soup(_), Self::Soup(nodes)) => nodes.add_rows(target, pair, frame, site),
+            (Form::Soup(_), Self::Soup(nodes)) => {
+                nodes.add_rows((target, pair, features), frame, site);
+            }
             _ => {}
         }
     }

@@ -3,10 +3,10 @@
 //! A node keeps the point where it was last known to be on its side for as long as it stays in the list, through new lists
 //! and rigid steps: that point, and not the facet that is nearest now, tells whether the node has been pushed through.
 
-use super::feature::BORDER;
+use super::feature::{BORDER, Features};
 use super::nodes::add;
 use super::site::Site;
-use super::soup::{self, Exit, NodeFacets, Soup};
+use super::soup::{self, Exit, Margins, NodeFacets, Overhang, Soup};
 use super::target::{Frame, Target};
 use super::touches::{Hold, Touches, along};
 use crate::body::state::State;
@@ -31,6 +31,10 @@ pub struct SoupNodes {
     /// The nodes of the list before, and their sides.
     before: Vec<(u32, Option<DVec3>)>,
     places: Vec<DVec3>,
+    #[cfg_attr(feature = "serde-serialize", serde(skip))]
+    overhangs: Vec<Overhang>,
+    #[cfg_attr(feature = "serde-serialize", serde(skip))]
+    bearing: Vec<u32>,
 }
 
 impl Default for SoupNodes {
@@ -43,6 +47,8 @@ impl Default for SoupNodes {
             touches: Touches::default(),
             before: Vec::new(),
             places: Vec::new(),
+            overhangs: Vec::new(),
+            bearing: Vec::new(),
         }
     }
 }
@@ -127,18 +133,22 @@ impl SoupNodes {
         }
     }
 
-    /// Up to three rows for every node that can touch within the substep.
-    pub fn add_rows(&mut self, target: &Target, pair: u32, frame: &Frame, site: &mut Site) {
+    /// Up to three rows for every node that can touch within the substep. At borders of the surface nodes are left to edges
+    /// of theirs, among the features, that touch the border and lead round it.
+    pub fn add_rows(
+        &mut self,
+        (target, pair, features): (&Target, u32, Option<&Features>),
+        frame: &Frame,
+        site: &mut Site,
+    ) {
         self.touches.begin();
-        let mut found = soup::Touches::default();
-        // What keeps a distance meets a border that is as good as round.
-        let rim = BORDER * site.reach.touching;
-        let sharp = target.skin + self.facets.near(0).radius < rim;
-        let rim = if sharp && !site.side.topology.edges.is_empty() {
-            rim
-        } else {
-            0.0
+        self.find_overhangs(target, features, frame, site);
+        let margins = Margins {
+            border: BORDER * site.reach.touching,
+            touching: site.reach.touching,
         };
+        let mut overhangs = self.overhangs.as_slice();
+        let mut found = soup::Touches::default();
         let nodes = self.facets.nodes().iter();
         for (index, (&i, side)) in nodes.zip(&mut self.sides).enumerate() {
             let place = frame.to_local(site.side.state, i);
@@ -146,11 +156,15 @@ impl SoupNodes {
             let slip = site.side.state.velocity(i as usize) - site.shadow.velocity_at(arm);
             let gain = site.side.gain(i, site.reach.h).length();
             let reach = site.reach.at(slip.length() + gain).min(site.reach.farthest);
+            let mut near = self.facets.near(index);
+            let mut back = DVec3::ZERO;
+            let own = take_node(&mut overhangs, i);
+            if !own.is_empty() {
+                let (p, from) = (place, side.unwrap_or(place));
+                (near, back) = soup::bearing(near, own, (p, from), margins, &mut self.bearing);
+            }
             soup::touches(
-                soup::Near {
-                    rim,
-                    ..self.facets.near(index)
-                },
+                near,
                 place,
                 frame.axes.transpose() * slip * site.reach.h,
                 *side,
@@ -158,7 +172,7 @@ impl SoupNodes {
                 reach,
                 &mut found,
             );
-            *side = found.anchor;
+            *side = found.anchor.map(|anchor| anchor + back);
             for (k, touch) in (0..).zip(found.as_slice()) {
                 let mut row = Row {
                     normal: frame.axes * touch.normal,
@@ -191,6 +205,23 @@ impl SoupNodes {
                 ..target.row(Default::default(), pair, site.reach.h)
             };
             add(i, target, row, site);
+        }
+    }
+
+    /// Finds what hangs over borders. What keeps a distance meets a border that is as good as round, and has no use for it.
+    fn find_overhangs(
+        &mut self,
+        target: &Target,
+        features: Option<&Features>,
+        frame: &Frame,
+        site: &Site,
+    ) {
+        self.overhangs.clear();
+        let thickness = target.skin + self.facets.radius();
+        if let Some(features) = features
+            && thickness < BORDER * site.reach.touching
+        {
+            features.overhangs(&site.side, frame, &mut self.overhangs);
         }
     }
 
@@ -229,4 +260,13 @@ pub fn is_hit(
             let touches = found.as_slice().iter();
             touches.map(|t| -v.dot(t.normal)).any(|c| c > threshold)
         })
+}
+
+/// Takes the overhangs of a node off the front, and of those before it.
+fn take_node<'a>(all: &mut &'a [Overhang], node: u32) -> &'a [Overhang] {
+    let first = all.partition_point(|over| over.node < node);
+    let end = all.partition_point(|over| over.node <= node);
+    let own = &all[first..end];
+    *all = &all[end..];
+    own
 }

@@ -104,6 +104,11 @@ impl Touches {
         kept.take_while(move |key| key[0] == first)
     }
 
+    /// The keys of all points that touched last.
+    pub fn keys(&self) -> impl Iterator<Item = Key> {
+        self.kept.iter().map(|t| t.key)
+    }
+
     /// Whether any point whose key begins and ends like this touched last.
     pub fn knows_last(&self, first: u32, last: u32) -> bool {
         self.known(first).any(|key| key[2] == last)

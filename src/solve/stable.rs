@@ -99,13 +99,14 @@ impl<S: Scalar> Solver<S> {
     ///
     /// The rates of nodes are sums in the scalar of the solver.
     pub fn stable_step(&self, state: &State<S>, integrator: Integrator) -> StableStep {
-        let (mut step, node, _) = self.longest_step(state, integrator, &self.rates(state));
-        step.spring = if step.never {
-            self.relaxation().1
-        } else {
-            node.and_then(|i| self.stiffest_at(i, state))
-        };
-        step.element = step.element.filter(|_| step.spring.is_none());
+        let (mut step, worst) = self.longest_step(state, integrator, &self.rates(state));
+        if step.never {
+            let (least, spring) = self.relaxation();
+            step.spring = spring.filter(|_| least <= 0.0);
+            step.element = step.element.filter(|_| step.spring.is_none());
+        } else if step.element.is_none() {
+            step.spring = self.most_strained(state, worst);
+        }
         step
     }
 
@@ -120,8 +121,12 @@ impl<S: Scalar> Solver<S> {
 
     /// As [`Self::longest_stable_step`], and learns how the body swings in its fastest mode, for a closer bound next time.
     pub(crate) fn review(&mut self, state: &mut State<S>, integrator: Integrator) -> StableStep {
+        state
+            .particles
+            .iter_mut()
+            .for_each(|p| p.swing = p.sound_swing());
         let rates = self.rates_by_rows(state);
-        let (step, _, worst) = self.longest_step(state, integrator, &rates);
+        let (step, worst) = self.longest_step(state, integrator, &rates);
         self.learn_swings(state, &rates, worst);
         step
     }
@@ -219,12 +224,12 @@ impl<S: Scalar> Solver<S> {
             let n = [n[0], n[1], n[2]];
             let sideways = sideways(n, *rest, length);
             for (node, own, far) in [(ia, a, b), (ib, b, a)] {
-                let per_swing = if own.swing > S::ZERO {
-                    own.inv_mass / own.swing
+                let per_swing = if own.inv_mass > S::ZERO {
+                    own.inv_mass / own.sound_swing()
                 } else {
                     S::ZERO
                 };
-                let w = own.inv_mass + far.swing * per_swing;
+                let w = own.inv_mass + far.sound_swing() * per_swing;
                 let along = link.stiffness * w;
                 stiff[node].add(n, along, along * sideways);
                 if let Some(damp) = damp.get_mut(node) {
@@ -235,13 +240,14 @@ impl<S: Scalar> Solver<S> {
         stiff.iter_mut().chain(damp).for_each(Rates::end);
     }
 
-    /// The longest stable substep, its spring not named yet, the worst node and its rates.
+    /// The longest stable substep, its spring not named yet, and the worst rates of any node. Of a body of springs and elements
+    /// the element is named if most is its doing.
     fn longest_step(
         &self,
         state: &State<S>,
         integrator: Integrator,
         [stiff, damp]: &[Vec<Rates<S>>; 2],
-    ) -> (StableStep, Option<usize>, (f64, f64)) {
+    ) -> (StableStep, (f64, f64)) {
         let part = self.part.as_ref();
         let [elastic, viscous] = part.map_or_else(Default::default, |p| p.rates(&state.particles));
         let drag = self.external.drag.f64();
@@ -267,42 +273,45 @@ impl<S: Scalar> Solver<S> {
             let c = c + drag * state.particles[i].inv_mass.f64();
             (eigenvalue(&stiff[i]) + elastic.largest, c + viscous.largest)
         };
-        let mut worst = (f64::INFINITY, None, (-1.0, -1.0));
+        let mut worst = (f64::INFINITY, (-1.0, -1.0));
         for i in (0..state.particles.len()).filter(|&i| state.particles[i].inv_mass > S::ZERO) {
             let (k, c) = rates(i, Rates::bound);
             // The step only falls with either.
-            if k > worst.2.0 || c > worst.2.1 {
+            if k > worst.1.0 || c > worst.1.1 {
                 let (k, c) = rates(i, Rates::largest);
                 let h = integrator.stable_step(k, c, relaxation);
                 if h < worst.0 {
-                    worst = (h, Some(i), (k, c));
+                    worst = (h, (k, c));
                 }
             }
         }
+        let (h, (k, c)) = worst;
+        let never = h <= 0.0;
+        let share = |k: f64, c: f64| h * k + 2.0 * c;
+        let most = never || share(elastic.largest, viscous.largest) > 0.5 * share(k, c);
         let step = StableStep {
-            h: worst.0,
+            h,
             spring: None,
-            element: elastic.element,
-            never: worst.0 <= 0.0,
+            element: elastic.element.filter(|_| most),
+            never,
         };
-        (step, worst.1, worst.2)
+        (step, worst.1)
     }
 
-    fn stiffest_at(&self, node: usize, state: &State<S>) -> Option<u32> {
-        let rate = |i: usize| {
-            let link = &self.table.links[i];
-            let w = state.particles[link.a as usize].inv_mass
-                + state.particles[link.b as usize].inv_mass;
-            let (k, c) = ((link.stiffness * w).f64(), (link.damping * w).f64());
-            c + (c * c + 4.0 * k).sqrt()
-        };
-        (0..self.table.links.len())
-            .filter(|&i| {
-                let link = &self.table.links[i];
-                link.a as usize == node || link.b as usize == node
-            })
-            .max_by(|&a, &b| rate(a).total_cmp(&rate(b)))
-            .map(|i| i as u32)
+    /// The spring that has most of the energy of the fastest mode: a change of its constants changes the step most. In that mode
+    /// neighbours swing against each other.
+    fn most_strained(&self, state: &State<S>, (k, c): (f64, f64)) -> Option<u32> {
+        let h = stable::leapfrog(k, c);
+        let mut most = (0.0, None);
+        for (i, link) in (0..).zip(&self.table.links) {
+            let swing = |node: u32| state.particles[node as usize].sound_swing().f64();
+            let apart = swing(link.a) + swing(link.b);
+            let rate = h * link.stiffness.f64() + 2.0 * link.damping.f64();
+            if rate * apart * apart > most.0 {
+                most = (rate * apart * apart, Some(i));
+            }
+        }
+        most.1
     }
 }
 
@@ -310,7 +319,7 @@ impl<S: Scalar> Solver<S> {
 mod tests {
     use super::*;
     use crate::body::shape::{lattice, sheet};
-    use crate::body::{Blueprint, Material};
+    use crate::body::{Blueprint, Material, Spring};
     use crate::math::Vector;
 
     /// The largest eigenvalue of M⁻¹K \[1/s²\] at rest, by the power method, from below.
@@ -388,5 +397,44 @@ mod tests {
                 solver.review(&mut state, Integrator::SymplecticEuler);
             }
         }
+    }
+
+    fn chain(stiffness: &[f32]) -> (Solver<f64>, State<f64>) {
+        let count = stiffness.len() + 1;
+        let nodes = (0..count).map(|i| ([i as f64, 0.0, 0.0], [0.0; 3], 2.0));
+        let state = State::new(nodes, vec![1.0; stiffness.len()]);
+        let springs: Vec<Spring> = (0..)
+            .zip(stiffness)
+            .map(|(i, &k)| Spring::new(i, i + 1, k))
+            .collect();
+        (Solver::new(&springs, &state), state)
+    }
+
+    /// In a mode that has been learned every node has the same rate: which is the largest does not tell the culprit.
+    #[test]
+    fn the_spring_that_sets_the_step_is_named() {
+        for culprit in 0..8 {
+            let mut stiffness = [1000.0; 8];
+            stiffness[culprit] = 1500.0;
+            let (mut solver, mut state) = chain(&stiffness);
+            for _ in 0..4 {
+                solver.learn(&mut state, Integrator::SymplecticEuler);
+                let step = solver.stable_step(&state, Integrator::SymplecticEuler);
+                assert_eq!(step.spring, Some(culprit as u32));
+            }
+        }
+    }
+
+    #[test]
+    fn free_nodes_that_claim_not_to_swing_are_not_believed() {
+        let (mut solver, mut state) = chain(&[1000.0, 3000.0, 500.0]);
+        let sound = solver.stable_step(&state, Integrator::SymplecticEuler);
+        for bad in [0.0, -1.0, f64::NAN] {
+            state.particles[1].swing = bad;
+            let found = solver.stable_step(&state, Integrator::SymplecticEuler);
+            assert_eq!(found, sound, "{bad}");
+        }
+        let found = solver.review(&mut state, Integrator::SymplecticEuler);
+        assert_eq!(found.h, sound.h);
     }
 }

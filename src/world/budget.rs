@@ -3,6 +3,7 @@
 use super::Deformable;
 use super::params::Substeps;
 use crate::body::BuildError;
+use crate::math::Real;
 use crate::solve::stable::StableStep;
 
 impl Deformable {
@@ -16,6 +17,20 @@ impl Deformable {
         let integrator = self.integrator();
         self.solver.make_ready(&self.state);
         self.solver.learn(&mut self.state, integrator);
+    }
+
+    /// Whether the body is stable within its budget after a change. What was known of how it swings may be a loose bound by
+    /// then, so it is learned anew before the body is refused, and forgotten again if it is.
+    pub(super) fn check_changed(&mut self) -> Result<(), BuildError> {
+        self.check_budget().or_else(|_| {
+            let before: Vec<Real> = self.state.particles.iter().map(|p| p.swing).collect();
+            let integrator = self.integrator();
+            self.solver.learn(&mut self.state, integrator);
+            self.check_budget().inspect_err(|_| {
+                let particles = self.state.particles.iter_mut();
+                particles.zip(before).for_each(|(p, swing)| p.swing = swing);
+            })
+        })
     }
 
     /// Whether the body is stable within its budget.
@@ -74,6 +89,15 @@ impl Deformable {
         let integrator = self.integrator();
         let stable = self.solver.longest_stable_step(&self.state, integrator);
         self.substeps_of(&stable, dt, frame)
+    }
+
+    /// How many of its last substeps a stretch of `dt` s holds; what it needs before there were any.
+    pub(super) fn last_substeps(&self, dt: f64) -> usize {
+        if self.h > 0.0 {
+            (dt / self.h - 1e-6).ceil() as usize
+        } else {
+            self.substeps_for(dt, dt).0
+        }
     }
 
     /// As [`Self::substeps_for`], and takes the opportunity to learn how the body swings, for a longer substep next time.

@@ -203,7 +203,7 @@ impl Deformable {
         crate::body::error::check_constants(spring.0, &new)?;
         let work = self.solver.work;
         self.put_spring(spring, new);
-        self.check_budget().inspect_err(|_| {
+        self.check_changed().inspect_err(|_| {
             self.put_spring(spring, old);
             self.solver.work = work;
         })
@@ -218,8 +218,8 @@ impl Deformable {
 
     pub(super) fn rebuild_table(&mut self) {
         self.solver.table = SpringTable::new(&self.blueprint.springs, &self.state);
-        // What has flowed may not do so any more, and is not looked at any more then.
-        self.backup.take_over(&self.state, true);
+        // Springs without limits are not backed up: the backup must be right from the moment the last limit goes.
+        self.backup.take_over_springs(&self.state);
     }
 
     /// Changes the mass of a node \[kg\].
@@ -244,9 +244,11 @@ impl Deformable {
             ));
         }
         let work = self.solver.work;
+        let swing = self.state.particles[node.index()].swing;
         self.put_mass(node, mass);
-        self.check_budget().inspect_err(|_| {
+        self.check_changed().inspect_err(|_| {
             self.put_mass(node, old);
+            self.state.particles[node.index()].swing = swing;
             self.solver.work = work;
         })
     }

@@ -59,7 +59,7 @@ impl Deformable {
     /// The same without those nodes, and those springs between two of them, that it is not about. Tets, links and work so far
     /// are counted whole.
     pub(super) fn energies_about(&self, about: impl Fn(usize) -> bool) -> Energies {
-        let mut energies = self.energies_of_those(&about);
+        let mut energies = self.node_energies_about(&about);
         let lead = self.lead();
         if let Some(part) = &self.solver.part {
             energies.elastic += part.model.energy(|n| self.state.local(n).to_array());
@@ -88,8 +88,8 @@ impl Deformable {
     }
 
     /// Those of its nodes by themselves, and work so far.
-    pub(super) fn energies_of_nodes(&self) -> Energies {
-        self.energies_of_those(|_| true)
+    pub(super) fn node_energies(&self) -> Energies {
+        self.node_energies_about(|_| true)
     }
 
     /// Velocities of symplectic Euler stand half a substep back: ½·h·F·v brings the kinetic energy to the positions' \[s\].
@@ -101,7 +101,7 @@ impl Deformable {
         }
     }
 
-    fn energies_of_those(&self, about: impl Fn(usize) -> bool) -> Energies {
+    fn node_energies_about(&self, about: impl Fn(usize) -> bool) -> Energies {
         let gravity = self.gravity();
         let mut energies = Energies {
             work: self.solver.work,

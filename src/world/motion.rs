@@ -24,7 +24,7 @@ impl Deformable {
         self.solver.kernel = self.defaults.kernel;
         let gravity = (gravity * self.gravity_scale).to_array();
         if gravity != self.solver.external.gravity {
-            self.edit_by(Self::energies_of_nodes, |body| {
+            self.edit_by(Self::node_energies, |body| {
                 body.solver.external.gravity = gravity;
             });
         }
@@ -147,8 +147,10 @@ impl Deformable {
 
     /// Remembers what [`Self::go_back`] goes back to.
     pub(super) fn back_up(&mut self) {
-        let flows = !self.solver.table.limits.is_empty();
-        self.backup.take_over(&self.state, flows);
+        self.backup.take_over_nodes(&self.state);
+        if !self.solver.table.limits.is_empty() {
+            self.backup.take_over_springs(&self.state);
+        }
         self.work_backup = self.solver.work;
         self.links_backup = self.links;
     }
@@ -157,7 +159,8 @@ impl Deformable {
     pub(super) fn go_back(&mut self) {
         self.cache.forget();
         self.moved_out.clear();
-        self.state.take_over(&self.backup, true);
+        self.state.take_over_nodes(&self.backup);
+        self.state.take_over_springs(&self.backup);
         self.solver.work = self.work_backup;
         self.links = self.links_backup;
         self.solver.events.clear();

@@ -61,7 +61,7 @@ impl Deformable {
             self.solver.work,
         );
         self.edit(change);
-        self.check_budget().inspect_err(|_| {
+        self.check_changed().inspect_err(|_| {
             let work;
             (
                 self.solver.external.drag,

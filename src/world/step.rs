@@ -131,7 +131,7 @@ impl DeformableWorld {
         }
         // Never more often than the deformables themselves.
         let bodies = self.iter().filter(|(_, b)| b.is_active());
-        let substeps = bodies.map(|(_, b)| b.substeps_for(dt, dt).0).max();
+        let substeps = bodies.map(|(_, b)| b.last_substeps(dt)).max();
         let most = substeps.unwrap_or(1);
         let wanted = if longest > 0.0 {
             (dt / longest).ceil() as usize

@@ -88,7 +88,7 @@ impl Making<'_, '_> {
         let across = across.normalize_or_zero();
         let apart =
             segments_apart(corners, edge.ends).max((corners[0] - edge.ends[0]).dot(across).abs());
-        let key = [e, edge.id, 0];
+        let key = [e, edge.id, u32::from(edge.is_border())];
         let touched = self.touches.touched(key);
         if apart > self.near && !touched {
             return apart;

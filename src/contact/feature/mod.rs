@@ -16,7 +16,8 @@ mod saved;
 mod sharp;
 
 use super::form::Form;
-use super::site::Site;
+use super::site::{Side, Site};
+use super::soup::Overhang;
 use super::target::{Frame, Target};
 use crate::solve::rows::Rows;
 use convex::ConvexFeatures;
@@ -58,6 +59,13 @@ impl Features {
         match self {
             Self::Convex(features) => features.remember(rows, touching),
             Self::Sharp(features) => features.remember(rows, touching),
+        }
+    }
+
+    /// Puts into `out` the edges of the body that touched borders of a surface, as each of their nodes has them, by node.
+    pub fn overhangs(&self, side: &Side, frame: &Frame, out: &mut Vec<Overhang>) {
+        if let Self::Sharp(features) = self {
+            features.overhangs(side, frame, out);
         }
     }
 

@@ -8,7 +8,7 @@ use super::convex::bounds;
 use super::making::{Making, Met};
 use crate::contact::form::Form;
 use crate::contact::site::{Side, Site};
-use crate::contact::soup::{Edge, EdgeKind, EdgeSearch, around};
+use crate::contact::soup::{Edge, EdgeKind, EdgeSearch, Overhang, around};
 use crate::contact::target::{Frame, Target};
 use crate::contact::touches::Touches;
 use crate::contact::watch::Watch;
@@ -53,6 +53,7 @@ pub struct SharpFeatures {
     points_watch: Watch,
     crossings_watch: Watch,
     pub(super) on_faces: Touches,
+    /// Keys are the body's edge, the target's, and whether that is a border.
     pub(super) on_edges: Touches,
     buffers: Buffers,
 }
@@ -104,6 +105,27 @@ impl SharpFeatures {
     pub fn remember(&mut self, rows: &Rows, touching: f64) {
         self.on_faces.end(rows, touching);
         self.on_edges.end(rows, touching);
+    }
+
+    /// Puts into `out` the edges of the body that touch borders, as each of their nodes has them, by node.
+    pub fn overhangs(&self, side: &Side, frame: &Frame, out: &mut Vec<Overhang>) {
+        let touching = self.on_edges.keys().filter(|key| key[2] != 0);
+        for [edge, border, _] in touching {
+            let Some(&[a, b]) = side.topology.edges.get(edge as usize) else {
+                continue;
+            };
+            let [at_a, at_b] = [a, b].map(|i| frame.to_local(side.state, i));
+            for (node, end) in [(a, at_b), (b, at_a)] {
+                let length = at_a.distance(at_b);
+                out.push(Overhang {
+                    node,
+                    border,
+                    end,
+                    length,
+                });
+            }
+        }
+        out.sort_unstable_by_key(|over| (over.node, over.border));
     }
 
     /// Adds the rows of faces and edges; `way` is how far body and collider have moved in all \[m\].

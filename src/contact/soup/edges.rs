@@ -30,7 +30,8 @@ pub enum EdgeKind {
     derive(serde::Serialize, serde::Deserialize)
 )]
 pub struct Edge {
-    /// What tells it from others of its soup, in whatever box it was found.
+    /// What tells it from others of its soup, in whatever box it was found: the number of the first of the sides that meet
+    /// in it.
     pub id: u32,
     /// Its ends \[m\], the lower one in order of x, y, z first.
     pub ends: [DVec3; 2],
@@ -76,6 +77,12 @@ impl Edge {
     fn meets(&self, lo: DVec3, hi: DVec3) -> bool {
         let (own_lo, own_hi) = self.bounds();
         meets(lo, hi, own_lo, own_hi)
+    }
+
+    /// Whether it is the side of one facet and no other: the surface ends there.
+    pub fn is_border(&self) -> bool {
+        let [a, b] = self.normals.map(|n| n != DVec3::ZERO);
+        self.kind == EdgeKind::Free && a != b
     }
 
     /// The unit directions into its facets, square to it; 0 for none.
@@ -225,6 +232,11 @@ impl Half {
     }
 }
 
+/// The number of a side of a facet: 0 from its first corner to the second, and on.
+pub fn side_id(facet: u32, side: u32) -> u32 {
+    facet.wrapping_mul(3).wrapping_add(side)
+}
+
 /// By x, then y, then z.
 fn order(a: DVec3, b: DVec3) -> Ordering {
     a.x.total_cmp(&b.x)
@@ -256,8 +268,8 @@ fn edge(group: &[Half]) -> Option<Edge> {
     let first = &group[0];
     let edge = |kind, normals, width: f64| {
         Some(Edge {
-            // Every half has its own number, and they are sorted by it.
-            id: first.facet.wrapping_mul(3).wrapping_add(first.side.into()),
+            // Halves are sorted by their numbers.
+            id: side_id(first.facet, first.side.into()),
             ends: first.ends,
             kind,
             normals,

@@ -88,6 +88,11 @@ impl NodeFacets {
         &self.nodes
     }
 
+    /// Half the thickness the facets have by themselves \[m\].
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
     /// The facets near the node at `index` of [`nodes`](Self::nodes); none if there is no such index.
     #[inline]
     pub fn near(&self, index: usize) -> Near<'_> {
@@ -101,7 +106,6 @@ impl NodeFacets {
             slots: &self.slots[range],
             oriented: self.oriented,
             radius: self.radius,
-            rim: 0.0,
         }
     }
 }

@@ -49,7 +49,6 @@ impl Soup {
             slots: &slots,
             oriented: true,
             radius: 0.0,
-            rim: 0.0,
         };
         let nearest = near.nearest(p)?;
         if !near.behind(p, &nearest) {

@@ -15,6 +15,7 @@ mod facet;
 mod gather;
 mod inside;
 mod near;
+mod overhang;
 mod search;
 mod slide;
 mod touch;
@@ -27,6 +28,7 @@ pub use facet::{Facet, Patch};
 pub use gather::NodeFacets;
 pub use inside::Exit;
 pub use near::Near;
+pub use overhang::{Margins, Overhang, bearing};
 pub use search::around;
 pub use touch::{Touch, Touches, touches};
 

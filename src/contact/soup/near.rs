@@ -1,6 +1,6 @@
 //! The facets near one node, and the nearest of them.
 
-use super::facet::{Patch, on_side, per};
+use super::facet::Patch;
 use crate::math::DVec3;
 
 /// Two points closer than this are one \[m\].
@@ -17,8 +17,6 @@ pub struct Near<'a> {
     pub oriented: bool,
     /// Half the thickness the facets have by themselves \[m\].
     pub radius: f64,
-    /// How near a border of the surface a node is left to its edges, which cross that border \[m\].
-    pub rim: f64,
 }
 
 /// The nearest point of all.
@@ -82,22 +80,6 @@ impl<'a> Near<'a> {
         } else {
             (nearest.distance > SAME).then(|| (p - nearest.point) / nearest.distance)
         }
-    }
-
-    /// Whether a point of a facet is at a border of the surface: on which side of the facet a node there is, rounding says, and
-    /// one that is dragged over the border would hang on the facet by it.
-    pub fn at_border(&self, slot: u32, q: DVec3) -> bool {
-        let patch = &self.patches[slot as usize];
-        if self.rim <= 0.0 || patch.is_line() {
-            return false;
-        }
-        patch.sides().0.into_iter().any(|(a, ab)| {
-            let on = on_side(a, ab, per(ab.length_squared()), q);
-            let goes_on = |(other, patch): (u32, &Patch)| {
-                other != slot && patch.foot(on.point).distance2 <= 4.0 * SAME * SAME
-            };
-            on.distance2 < self.rim * self.rim && !self.iter().any(goes_on)
-        })
     }
 
     /// Mean of the front normals of the facets that meet at `q`, weighted by their angles there (Bærentzen and Aanæs

@@ -88,7 +88,6 @@ fn first(near: &Near, from: DVec3, to: DVec3, layer: f64) -> Option<Plane> {
     let mut into: Option<(f64, Plane)> = None;
     for (slot, patch) in near.iter() {
         if let Some(crossing) = patch.crossing(from, to)
-            && !near.at_border(slot, from + way * crossing.t)
             && through.is_none_or(|(_, best)| crossing.t < best.t)
         {
             through = Some((slot, crossing));

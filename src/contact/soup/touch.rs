@@ -57,7 +57,8 @@ impl Touches {
 /// meets: skin and the node's own. Contacts are given up to a gap of `reach`, farther only if the motion meets them. A gap
 /// that the motion would close is given only where it truly meets a facet, not its plane beyond the border.
 ///
-/// The list must hold the facets within `offset`, `reach` and the longest motion. A `p` that is not finite has no contacts.
+/// The list must hold the facets within `offset`, `reach` and the longest motion. A `p` that is not finite has no contacts;
+/// without facets it is on its side wherever it is.
 pub fn touches(
     near: Near,
     p: DVec3,
@@ -68,14 +69,14 @@ pub fn touches(
     out: &mut Touches,
 ) {
     out.len = 0;
-    out.anchor = remembered;
+    out.anchor = if p.is_finite() && near.slots.is_empty() {
+        Some(p)
+    } else {
+        remembered
+    };
     let Some(nearest) = near.nearest(p) else {
         return;
     };
-    if nearest.distance < near.rim && near.at_border(nearest.slot, nearest.point) {
-        out.anchor = Some(p);
-        return;
-    }
     let offset = near.radius
         + if offset.is_finite() {
             offset.max(0.0)

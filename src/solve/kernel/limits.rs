@@ -6,10 +6,11 @@
 //! force, to guess wrong and then wait for constants took longer than the law.
 
 use super::log::{self, Entry};
-use super::pass::{Nodes, Trial, add_springs};
+use super::pass::add_springs;
 use super::ranges::Span;
 use super::table::{End, Table, Untouched};
 use super::telling::Telling;
+use super::trial::{Nodes, Trial};
 use super::vector::{Aside, LANES, Runs, Vector, Wide};
 use crate::law::plastic;
 use crate::law::spring;

@@ -1,4 +1,4 @@
-//! Positions and velocities of all nodes column by column, as the nodes beside those of a regular slice are read.
+//! Positions, and velocities or swings, of all nodes column by column, as the nodes beside those of a regular slice are read.
 //!
 //! Reading sixteen nodes from anywhere costs sixteen loads and a transposition. Where they follow each other it is three loads,
 //! once every node has been transposed for all its neighbours.
@@ -48,11 +48,11 @@ impl Mirror {
 }
 
 /// What is copied besides places, to the three columns behind them.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy)]
 pub enum Copied {
     Nothing,
     Velocities,
-    /// To the first of the three.
+    /// The same to each of the three.
     Swings,
 }
 

@@ -29,6 +29,7 @@ mod table;
 mod telling;
 #[cfg(test)]
 mod tests;
+mod trial;
 mod vector;
 
 pub(crate) use integrate::{Totals, symplectic_euler};

@@ -3,7 +3,7 @@
 //! Slots share what is the same. In a body of a few materials that is nearly everything, because a lane without a spring takes
 //! the limits of the first in its slot. It can't reach them: it goes from a node to itself, so it has neither tension nor length.
 
-use super::pass::Trial;
+use super::trial::Trial;
 use super::vector::{LANES, Vector, Wide};
 use crate::law::plastic::{self, Yield};
 use crate::solve::springs::Limit;

@@ -2,8 +2,9 @@
 
 use super::limits::{Book, Limited, Outcome};
 use super::mirror::Copied;
-use super::sell::{LEAST_SQUARE, Sell};
+use super::sell::Sell;
 use super::table::{End, Free, Rule, Table};
+use super::trial::{Nodes, Trial};
 use super::vector::{Half, LANES, Pass, Runs, Vector, Width, Writer, put, run};
 use super::{Kernel, SLICES};
 use crate::body::state::State;
@@ -264,123 +265,6 @@ fn add_free_springs<V: Vector, const DAMPED: bool>(
         add_springs::<V, _, _, DAMPED>(table, slots, part, nodes, &rule).0
     } else {
         add_springs::<V, _, _, DAMPED>(table, table.slots(slice), part, nodes, &rule).0
-    }
-}
-
-/// The nodes of a part of a slice, and what their springs sum to.
-#[derive(Clone, Copy)]
-pub(super) struct Nodes<V> {
-    pub at: [V; 3],
-    pub velocity: [V; 3],
-    pub elastic: [V; 3],
-    pub damping: [V; 3],
-}
-
-/// A spring of each lane as if it had no limits.
-#[derive(Clone, Copy)]
-pub(super) struct Trial<V> {
-    /// From the row's node to the other \[m\].
-    pub reach: [V; 3],
-    pub length: V,
-    /// 1/length \[1/m\].
-    pub inverse: V,
-    pub elongation: V,
-}
-
-#[inline(always)]
-pub(super) fn dot<V: Vector>(a: [V; 3], b: [V; 3]) -> V {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-#[inline(always)]
-pub(super) fn difference<V: Vector>([x, y, z]: [V; 3], b: [V; 3]) -> [V; 3] {
-    [x - b[0], y - b[1], z - b[2]]
-}
-
-impl<V: Vector> Trial<V> {
-    #[inline(always)]
-    pub fn new(at: [V; 3], far: &impl End<V>, part: usize, rest: V) -> Self {
-        let d = difference(far.place(part), at);
-        let length = dot(d, d).max(V::of(LEAST_SQUARE.into())).sqrt();
-        Self {
-            reach: d,
-            length,
-            inverse: V::ONE / length,
-            elongation: length - rest,
-        }
-    }
-
-    /// From the row's node to the other.
-    #[inline(always)]
-    pub fn direction(&self) -> [V; 3] {
-        let d = self.reach;
-        [
-            d[0] * self.inverse,
-            d[1] * self.inverse,
-            d[2] * self.inverse,
-        ]
-    }
-
-    /// The same, with neither length nor elongation in lanes that have no spring, and so no stiffness.
-    #[inline(always)]
-    pub fn without_strays<E: End<V>>(self, stiffness: V) -> Self {
-        if !E::STRAYS {
-            return self;
-        }
-        let held = |x| V::above(stiffness, V::ZERO, x, V::ZERO);
-        Self {
-            length: held(self.length),
-            elongation: held(self.elongation),
-            ..self
-        }
-    }
-}
-
-impl<V: Vector> Nodes<V> {
-    /// Those of a part of a slice, with the force of drag \[N·s/m\] on them.
-    #[inline(always)]
-    fn of<const DAMPED: bool>(table: &Table, slice: usize, part: usize, drag: f32) -> Self {
-        let own = table.own(slice);
-        let [x, y, z, _] = own.columns(part, Half::First);
-        let mut nodes = Self {
-            at: [x, y, z],
-            velocity: [V::ZERO; 3],
-            elastic: [V::ZERO; 3],
-            damping: [V::ZERO; 3],
-        };
-        if DAMPED || drag > 0.0 {
-            nodes.velocity = own.velocity(part);
-        }
-        if drag > 0.0 {
-            let drag = V::of(drag.into());
-            nodes.damping = nodes.velocity.map(|v| -(drag * v));
-        }
-        nodes
-    }
-
-    /// Adds springs of this tension \[N\].
-    #[inline(always)]
-    pub fn pull(&mut self, trial: &Trial<V>, tension: V) {
-        let share = tension * trial.inverse;
-        for k in 0..3 {
-            self.elastic[k] += trial.reach[k] * share;
-        }
-    }
-
-    /// Adds what damps them.
-    #[inline(always)]
-    pub fn damp(&mut self, trial: &Trial<V>, rate: V, viscosity: V) {
-        let share = spring::damping(viscosity, rate) * trial.inverse;
-        for k in 0..3 {
-            self.damping[k] += trial.reach[k] * share;
-        }
-    }
-
-    /// Rate of elongation \[m/s\].
-    #[inline(always)]
-    pub fn rate(&self, trial: &Trial<V>, far: &impl End<V>, part: usize) -> V {
-        let velocity = difference(far.velocity(part), self.velocity);
-        dot(velocity, trial.reach) * trial.inverse
     }
 }
 

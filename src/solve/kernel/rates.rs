@@ -1,9 +1,9 @@
 //! The rates of nodes by rows, for the stable substep; [`crate::solve::stable`] says what they are and has the scalar loop.
 
 use super::mirror::Copied;
-use super::pass::Trial;
 use super::sell::Sell;
 use super::table::{End, Table};
+use super::trial::Trial;
 use super::vector::{Half, LANES, Pass, Runs, Vector, Wide, Width, Writer, run};
 use crate::body::state::State;
 use crate::law::stable::{Symmetric, about_largest, add_spring, cheap_bound, sideways};

@@ -121,6 +121,13 @@ impl Saved {
                 "nodes",
             ),
             (
+                state
+                    .particles
+                    .iter()
+                    .all(|p| p.swing >= 0.0 && p.swing.is_finite()),
+                "swings",
+            ),
+            (
                 [state.rest.len(), state.flow.len(), state.broken.len()] == [springs; 3],
                 "springs",
             ),

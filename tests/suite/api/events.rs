@@ -231,6 +231,26 @@ fn sensors_notice_what_flies_through() {
     }
 }
 
+/// Symptom: a sensor that was crossed in a step during which a spring was changed noticed nothing. Cause: the change took the
+/// place where nodes had been before the step for the one where they are.
+#[test]
+fn sensors_notice_through_changes() {
+    let (mut world, _) = floored(1.0 / 60.0);
+    let sensor = ColliderBuilder::cuboid(0.01, 1.0, 1.0).sensor(true);
+    let sensor = sensor.translation(Vector::new(2.0, 3.0, 0.0));
+    world.insert(RigidBodyBuilder::fixed(), sensor);
+    let mut set = DeformableWorld::new();
+    let flying = cube(0.3).translation(Vector::new(1.0, 3.0, 0.0));
+    let block = set.insert(flying.linvel(Vector::X * 120.0)).unwrap();
+    set.before_step(&mut RapierParts::from(&mut world), &mut ());
+    world.step();
+    set[block]
+        .set_spring(SpringId(0), |s| s.damping *= 0.5)
+        .unwrap();
+    set.after_step(&mut RapierParts::from(&mut world));
+    assert!(letters(&set.report().events).starts_with('S'));
+}
+
 /// Halves of a step tell the same, the second one to its own observer.
 #[test]
 fn halves_of_a_step_tell_as_well() {

@@ -6,6 +6,7 @@ mod embed;
 mod fast;
 mod features;
 mod ridges;
+mod seams;
 mod shapes;
 mod slides;
 mod surface;

@@ -5,6 +5,7 @@ mod edges;
 mod fast;
 mod flat;
 mod limits;
+mod overhang;
 mod side;
 mod timing;
 

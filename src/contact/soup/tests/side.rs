@@ -1,6 +1,5 @@
 //! Which side a node is on, and that it remembers.
 
-use super::super::Near;
 use super::*;
 
 #[test]
@@ -162,46 +161,5 @@ fn resting_on_a_ridge_and_in_a_valley() {
         if sign < 0.0 {
             assert!(probe.p.x.abs() < 1e-4, "{} moving at {}", probe.p, probe.v);
         }
-    }
-}
-
-/// A node beside the border of a surface is left to its edges, and goes from one side to the other there; away from the border
-/// and at seams between facets it is held as ever.
-#[test]
-fn at_a_border_there_is_no_side() {
-    let at = |x, y| Vector::new(x, y, 0.0);
-    let corners = vec![at(-1.0, 0.0), at(1.0, 0.0), at(1.0, -1.0), at(-1.0, -1.0)];
-    let square = soup(&SharedShape::trimesh(corners, vec![[0, 1, 2], [0, 2, 3]]).unwrap());
-    let mut out = Touches::default();
-    // Borders above and to the left, and the seam between the two facets.
-    for (x, y, held) in [
-        (0.3, -5e-5, false),
-        (-1.0 + 5e-5, -0.3, false),
-        (0.3, -2e-4, true),
-        (0.3, -0.65, true),
-        (0.3, -0.5, true),
-    ] {
-        let before = DVec3::new(x, y, 1e-6);
-        let mut facets = NodeFacets::default();
-        facets.gather(&square, std::iter::once((0, before)), 0.1);
-        let near = Near {
-            rim: 1e-4,
-            ..facets.near(0)
-        };
-        let motion = DVec3::Z * -1e-3;
-        touches(near, before, motion, None, 0.0, 1e-3, &mut out);
-        assert_eq!(!out.as_slice().is_empty(), held, "at {x}, {y}");
-        let anchor = out.anchor;
-        touches(
-            near,
-            before + motion,
-            DVec3::ZERO,
-            anchor,
-            0.0,
-            1e-3,
-            &mut out,
-        );
-        let deep = out.as_slice().iter().any(|t| t.depth > 0.0);
-        assert_eq!(deep, held, "through at {x}, {y}");
     }
 }

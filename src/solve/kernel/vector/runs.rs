@@ -3,7 +3,7 @@
 use super::{LANES, Vector};
 use std::ops::Range;
 
-/// Six columns of as many numbers: places and velocities.
+/// Six columns of as many numbers: places, and velocities or swings.
 #[derive(Clone, Debug, Default)]
 pub struct Columns {
     numbers: Vec<f32>,
@@ -16,7 +16,7 @@ pub struct Columns {
 pub enum Three {
     /// Places.
     First = 0,
-    /// Velocities.
+    /// Velocities, or what else was copied.
     Second = 3,
 }
 

@@ -1,0 +1,123 @@
+//! Springs side by side, one of each row: where they reach, and what they do to the nodes of the rows.
+
+use super::sell::LEAST_SQUARE;
+use super::table::{End, Table};
+use super::vector::{Half, Vector};
+use crate::law::spring;
+
+/// The nodes of a part of a slice, and what their springs sum to.
+#[derive(Clone, Copy)]
+pub struct Nodes<V> {
+    pub at: [V; 3],
+    pub velocity: [V; 3],
+    pub elastic: [V; 3],
+    pub damping: [V; 3],
+}
+
+/// A spring of each lane as if it had no limits.
+#[derive(Clone, Copy)]
+pub struct Trial<V> {
+    /// From the row's node to the other \[m\].
+    pub reach: [V; 3],
+    pub length: V,
+    /// 1/length \[1/m\].
+    pub inverse: V,
+    pub elongation: V,
+}
+
+#[inline(always)]
+fn dot<V: Vector>(a: [V; 3], b: [V; 3]) -> V {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+fn difference<V: Vector>([x, y, z]: [V; 3], b: [V; 3]) -> [V; 3] {
+    [x - b[0], y - b[1], z - b[2]]
+}
+
+impl<V: Vector> Trial<V> {
+    #[inline(always)]
+    pub fn new(at: [V; 3], far: &impl End<V>, part: usize, rest: V) -> Self {
+        let d = difference(far.place(part), at);
+        let length = dot(d, d).max(V::of(LEAST_SQUARE.into())).sqrt();
+        Self {
+            reach: d,
+            length,
+            inverse: V::ONE / length,
+            elongation: length - rest,
+        }
+    }
+
+    /// From the row's node to the other.
+    #[inline(always)]
+    pub fn direction(&self) -> [V; 3] {
+        let d = self.reach;
+        [
+            d[0] * self.inverse,
+            d[1] * self.inverse,
+            d[2] * self.inverse,
+        ]
+    }
+
+    /// The same, with neither length nor elongation in lanes that have no spring, and so no stiffness.
+    #[inline(always)]
+    pub fn without_strays<E: End<V>>(self, stiffness: V) -> Self {
+        if !E::STRAYS {
+            return self;
+        }
+        let held = |x| V::above(stiffness, V::ZERO, x, V::ZERO);
+        Self {
+            length: held(self.length),
+            elongation: held(self.elongation),
+            ..self
+        }
+    }
+}
+
+impl<V: Vector> Nodes<V> {
+    /// Those of a part of a slice, with the force of drag \[N·s/m\] on them.
+    #[inline(always)]
+    pub fn of<const DAMPED: bool>(table: &Table, slice: usize, part: usize, drag: f32) -> Self {
+        let own = table.own(slice);
+        let [x, y, z, _] = own.columns(part, Half::First);
+        let mut nodes = Self {
+            at: [x, y, z],
+            velocity: [V::ZERO; 3],
+            elastic: [V::ZERO; 3],
+            damping: [V::ZERO; 3],
+        };
+        if DAMPED || drag > 0.0 {
+            nodes.velocity = own.velocity(part);
+        }
+        if drag > 0.0 {
+            let drag = V::of(drag.into());
+            nodes.damping = nodes.velocity.map(|v| -(drag * v));
+        }
+        nodes
+    }
+
+    /// Adds springs of this tension \[N\].
+    #[inline(always)]
+    pub fn pull(&mut self, trial: &Trial<V>, tension: V) {
+        let share = tension * trial.inverse;
+        for k in 0..3 {
+            self.elastic[k] += trial.reach[k] * share;
+        }
+    }
+
+    /// Adds what damps them.
+    #[inline(always)]
+    pub fn damp(&mut self, trial: &Trial<V>, rate: V, viscosity: V) {
+        let share = spring::damping(viscosity, rate) * trial.inverse;
+        for k in 0..3 {
+            self.damping[k] += trial.reach[k] * share;
+        }
+    }
+
+    /// Rate of elongation \[m/s\].
+    #[inline(always)]
+    pub fn rate(&self, trial: &Trial<V>, far: &impl End<V>, part: usize) -> V {
+        let velocity = difference(far.velocity(part), self.velocity);
+        dot(velocity, trial.reach) * trial.inverse
+    }
+}
