@@ -51,8 +51,16 @@ pub struct State<S> {
 impl<S: Scalar> Particle<S> {
     /// Its swing, or 1/m where it has none: a free node swings.
     pub(crate) fn sound_swing(&self) -> S {
-        let known = self.inv_mass > S::ZERO && self.swing > S::ZERO;
-        if known { self.swing } else { self.inv_mass }
+        if self.swings_soundly() {
+            self.swing
+        } else {
+            self.inv_mass
+        }
+    }
+
+    /// Whether it has a swing if it is free, and none if it is pinned.
+    pub(crate) fn swings_soundly(&self) -> bool {
+        (self.swing > S::ZERO) == (self.inv_mass > S::ZERO) && self.swing.is_finite()
     }
 }
 
@@ -121,11 +129,14 @@ impl<S: Scalar> State<S> {
         self.particles[node].v = [S::of(v.x), S::of(v.y), S::of(v.z)];
     }
 
-    /// Sets the inverse mass of a node \[1/kg\], 0 to pin it. It counts as one that swings far from then on, which is learned
-    /// anew in time.
+    /// Sets the inverse mass of a node \[1/kg\], 0 to pin it. It counts as one that swings as far for its mass as any, until it
+    /// is known better.
     pub fn set_inv_mass(&mut self, node: usize, inv_mass: S) {
+        let free = self.particles.iter().filter(|p| p.inv_mass > S::ZERO);
+        let most = free.fold(S::ZERO, |most, p| (p.swing / p.inv_mass).max(most));
+        let most = if most > S::ZERO { most } else { S::ONE };
         let particle = &mut self.particles[node];
-        (particle.inv_mass, particle.swing) = (inv_mass, inv_mass);
+        (particle.inv_mass, particle.swing) = (inv_mass, inv_mass * most);
     }
 
     /// Moves a node by `by` \[m\] without losing what is below the spacing of its position.
@@ -135,24 +146,6 @@ impl<S: Scalar> State<S> {
         for axis in 0..3 {
             (x[axis], low[axis]) = two_sum(x[axis], by[axis] + low[axis]);
         }
-    }
-
-    /// The corners of a box around all nodes \[m\], wider than the nodes stand by what rounding may add.
-    pub(crate) fn box_around(&self) -> (DVec3, DVec3) {
-        let first = [S::INFINITY; 4];
-        let (mut lo, mut hi) = (first, first.map(|x| -x));
-        for p in &self.particles {
-            // Four numbers are one vector; the fourth means nothing.
-            let x = [p.x[0], p.x[1], p.x[2], p.inv_mass];
-            for k in 0..4 {
-                lo[k] = x[k].min(lo[k]);
-                hi[k] = x[k].max(hi[k]);
-            }
-        }
-        let corner = |x: [S; 4]| DVec3::new(x[0].f64(), x[1].f64(), x[2].f64());
-        let (lo, hi) = (corner(lo), corner(hi));
-        let low = f64::from(f32::EPSILON) * lo.abs().max(hi.abs());
-        (self.origin + lo - low, self.origin + hi + low)
     }
 
     /// Takes over the nodes of another state of the same body without new memory.
@@ -215,25 +208,6 @@ mod tests {
             s.displace(0, [1.0e-9, 0.0, 0.0]);
         }
         assert!((s.local(0).x - 2.001).abs() < 1e-6, "{}", s.local(0).x);
-    }
-
-    #[test]
-    fn a_box_around_nodes_holds_them_all() {
-        let places = [[0.3, -0.1, 2.0], [-0.7, 0.2, 1.0], [0.1, 0.0, -3.0]];
-        let mut s = State::<f32>::new(places.map(|x| (x, [0.0; 3], 1.0)), []);
-        s.origin = DVec3::new(100.0, 0.0, 0.0);
-        for node in 0..3 {
-            s.displace(node, [1e-9, -1e-9, 1e-8]);
-        }
-        let (lo, hi) = s.box_around();
-        let nodes = [0, 1, 2].map(|i| s.position(i));
-        assert!(
-            nodes
-                .iter()
-                .all(|x| lo.cmple(*x).all() && hi.cmpge(*x).all())
-        );
-        assert!((lo - DVec3::new(99.3, -0.1, -3.0)).length() < 1e-6);
-        assert!((hi - DVec3::new(100.3, 0.2, 2.0)).length() < 1e-6);
     }
 
     #[test]

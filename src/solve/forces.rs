@@ -160,11 +160,11 @@ fn reach<S: Scalar>(a: &Particle<S>, b: &Particle<S>) -> (Lanes<S>, S, S) {
     (d, length, S::ONE / length)
 }
 
-/// Direction from `a` to `b` (the fourth lane means nothing), and their distance. Coincident nodes have no direction.
+/// Direction from `a` to `b` (the fourth lane means nothing), and 1 over their distance. Coincident nodes have no direction.
 #[inline(always)]
 pub(crate) fn axis<S: Scalar>(a: &Particle<S>, b: &Particle<S>) -> (Lanes<S>, S) {
-    let (d, length, inverse) = reach(a, b);
-    (scale(d, inverse), length)
+    let (d, _, inverse) = reach(a, b);
+    (scale(d, inverse), inverse)
 }
 
 fn pass<S: Scalar, const LIMITED: bool, const COMMIT: bool, const DAMPED: bool>(

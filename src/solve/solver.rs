@@ -10,6 +10,7 @@ use super::forces::{Force, LimitEvent, dot, spring_forces, three};
 use super::integrate::Integrator;
 use super::kernel::{self, Kernel, Totals, of_f32, of_f32_mut};
 use super::springs::{Rows, SpringTable};
+use super::stable::Rates;
 use super::threads;
 use super::work::Work;
 use crate::body::NodeId;
@@ -53,6 +54,8 @@ pub struct Solver<S> {
     pub(crate) sums: Vec<([S; 3], [S; 3])>,
     /// Of each block of nodes.
     pub(crate) totals: Vec<Totals>,
+    /// Of each node when it was last looked at, and one more.
+    pub(crate) rates: Vec<Rates<S>>,
     /// Springs that yielded or broke since the last look. Each does so once.
     pub(crate) events: Vec<LimitEvent<S>>,
     /// Largest squared speed that the last integration pass has seen, before rows gave their impulses; NaN or infinite when a

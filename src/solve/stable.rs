@@ -14,8 +14,8 @@ use super::integrate::Integrator;
 use super::kernel::{self, of_f32, of_f32_mut};
 use super::solver::Solver;
 use crate::body::state::State;
-use crate::law::stable::{self, Symmetric, about_largest, add_spring, cheap_bound, sideways};
-use crate::math::{DMat3, DVec3, Scalar};
+use crate::law::stable::{self, Resistance, sideways};
+use crate::math::Scalar;
 use crate::solve::forces::axis;
 
 /// The longest stable substep and the spring that sets it.
@@ -31,44 +31,27 @@ pub struct StableStep {
     pub never: bool,
 }
 
-/// Σ k·dd⊤·(1 + u_b/u_a)/m_a over the springs of a node \[1/s²\], or the same of their viscosities \[1/s\]: xx, yy, zz, xy, xz,
-/// yz; then [a bound](cheap_bound) and [an estimate](about_largest) of its largest eigenvalue.
+/// The largest eigenvalue of Σ k·dd⊤·(1 + u_b/u_a)/m_a over the springs of a node \[1/s²\], and the same of their viscosities
+/// \[1/s\]; the others mean nothing.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(32))]
 pub(crate) struct Rates<S>(pub [S; 8]);
 
 impl<S: Scalar> Rates<S> {
-    fn matrix(&self) -> Symmetric<S> {
-        let [a, b, c, d, e, f, ..] = self.0;
-        [a, b, c, d, e, f]
+    fn of(sums: &[Resistance<S>; 2]) -> Self {
+        let mut rates = Self::default();
+        rates.0[..2].copy_from_slice(&sums.each_ref().map(Resistance::largest));
+        rates
     }
 
-    fn add(&mut self, n: [S; 3], along: S, across: S) {
-        let mut m = self.matrix();
-        add_spring(&mut m, n, along, across);
-        self.0[..6].copy_from_slice(&m);
+    fn stiff(&self) -> S {
+        self.0[0]
     }
 
-    /// Once all springs have been added.
-    fn end(&mut self) {
-        let m = self.matrix();
-        (self.0[6], self.0[7]) = (cheap_bound(&m), about_largest(&m));
-    }
-
-    fn bound(&self) -> f64 {
-        self.0[6].f64()
-    }
-
-    fn estimate(&self) -> f64 {
-        self.0[7].f64()
-    }
-
-    fn largest(&self) -> f64 {
-        largest_eigenvalue(&self.matrix().map(S::f64))
+    fn damp(&self) -> S {
+        self.0[1]
     }
 }
-
-type Sym = Symmetric<f64>;
 
 /// How often a new body is looked at for its fastest mode: most of what there is to gain is gained then.
 const FIRST_LOOKS: usize = 4;
@@ -76,23 +59,6 @@ const FIRST_LOOKS: usize = 4;
 /// The least swing that a node is credited with, of the largest that its mass allows: where the fastest mode is not, the next one may
 /// come to be.
 const LEAST_SWING: f64 = 1.0 / 32.0;
-
-/// The largest eigenvalue, in closed form (Smith 1961).
-fn largest_eigenvalue(m: &Sym) -> f64 {
-    let q = (m[0] + m[1] + m[2]) / 3.0;
-    let off = m[3] * m[3] + m[4] * m[4] + m[5] * m[5];
-    let spread = (m[0] - q).powi(2) + (m[1] - q).powi(2) + (m[2] - q).powi(2) + 2.0 * off;
-    let p = (spread / 6.0).sqrt();
-    if p <= 1e-12 * q.abs() {
-        return q;
-    }
-    let b = DMat3::from_cols(
-        DVec3::new(m[0] - q, m[3], m[4]) / p,
-        DVec3::new(m[3], m[1] - q, m[5]) / p,
-        DVec3::new(m[4], m[5], m[2] - q) / p,
-    );
-    q + 2.0 * p * ((0.5 * b.determinant()).clamp(-1.0, 1.0).acos() / 3.0).cos()
-}
 
 impl<S: Scalar> Solver<S> {
     /// The longest stable substep of a scheme for the body as it is now, and which spring or element sets it.
@@ -119,21 +85,22 @@ impl<S: Scalar> Solver<S> {
         self.longest_step(state, integrator, &self.rates(state)).0
     }
 
-    /// As [`Self::longest_stable_step`], and learns how the body swings in its fastest mode, for a closer bound next time.
+    /// As [`Self::longest_stable_step`], and learns how the body swings in its fastest mode, for a closer bound next time. Every
+    /// free node must have a swing.
     pub(crate) fn review(&mut self, state: &mut State<S>, integrator: Integrator) -> StableStep {
-        state
-            .particles
-            .iter_mut()
-            .for_each(|p| p.swing = p.sound_swing());
         let rates = self.rates_by_rows(state);
         let (step, worst) = self.longest_step(state, integrator, &rates);
         self.learn_swings(state, &rates, worst);
+        self.rates = rates;
         step
     }
 
     /// Looks at a new body so often that most of what there is to learn of its fastest mode is known: [`Self::stable_step`]
     /// is longer then. A body in a world is looked at on its way in and in every step.
     pub fn learn(&mut self, state: &mut State<S>, integrator: Integrator) {
+        for particle in &mut state.particles {
+            particle.swing = particle.sound_swing();
+        }
         for _ in 0..FIRST_LOOKS {
             self.review(state, integrator);
         }
@@ -142,38 +109,27 @@ impl<S: Scalar> Solver<S> {
     /// A step of the power method: every node's swing times its own rate. `worst` is the largest rate of stiffness \[1/s²\] and
     /// of viscosity \[1/s\]. At the longest substep h of both, h²K + 2hC has 4 for its largest eigenvalue; that is the matrix
     /// whose mode is looked for.
-    fn learn_swings(
-        &self,
-        state: &mut State<S>,
-        [stiff, damp]: &[Vec<Rates<S>>; 2],
-        (k, c): (f64, f64),
-    ) {
+    fn learn_swings(&self, state: &mut State<S>, rates: &[Rates<S>], (k, c): (f64, f64)) {
         let h = stable::leapfrog(k, c);
         if !(h > 0.0 && h.is_finite()) {
             return;
         }
-        let drag = self.external.drag.f64();
-        let rate = |i: usize, inv_mass: f64| {
-            let c = damp.get(i).map_or(0.0, Rates::estimate) + drag * inv_mass;
-            h * stiff[i].estimate() + 2.0 * c
-        };
-        let mut most = 0.0_f64;
-        for (i, p) in state.particles.iter_mut().enumerate() {
+        let (h, two, drag) = (S::of(h), S::of(2.0), self.external.drag);
+        let (mut most, mut lightest) = (S::ZERO, S::ZERO);
+        for (p, rates) in state.particles.iter_mut().zip(rates) {
             if p.inv_mass > S::ZERO {
-                let inv_mass = p.inv_mass.f64();
-                let share = rate(i, inv_mass) * p.swing.f64() / inv_mass;
-                most = most.max(share);
-                p.swing = S::of(share);
+                let rate = h * rates.stiff() + two * (rates.damp() + drag * p.inv_mass);
+                p.swing = rate * p.swing / p.inv_mass;
+                most = p.swing.max(most);
+                lightest = p.inv_mass.max(lightest);
             }
         }
+        let (least, per_most) = (S::of(LEAST_SWING), S::ONE / most);
+        // In a unit in which the integration takes none for nothing, be the nodes ever so heavy.
+        let per_lightest = S::ONE / lightest;
         for p in state.particles.iter_mut().filter(|p| p.inv_mass > S::ZERO) {
-            let share = p.swing.f64() / most;
-            let sound = if share > LEAST_SWING {
-                share.min(1.0)
-            } else {
-                LEAST_SWING
-            };
-            p.swing = S::of(sound) * p.inv_mass;
+            let share = (p.swing * per_most).max(least).min(S::ONE);
+            p.swing = share * (p.inv_mass * per_lightest);
         }
     }
 
@@ -189,40 +145,15 @@ impl<S: Scalar> Solver<S> {
         least
     }
 
-    /// Per node the rates of its springs' stiffnesses, and of their viscosities where there are any; one spring after the other.
-    fn rates(&self, state: &State<S>) -> [Vec<Rates<S>>; 2] {
-        let mut found = self.no_rates(state);
-        self.add_rates(state, &mut found);
-        found
-    }
-
-    fn no_rates(&self, state: &State<S>) -> [Vec<Rates<S>>; 2] {
-        // One more, as for forces.
-        let nodes = state.particles.len() + 1;
-        let damped = self.table.damped;
-        [nodes, if damped { nodes } else { 0 }].map(|n| vec![Rates::default(); n])
-    }
-
-    /// The same by rows, where there are any; the bits are the same.
-    fn rates_by_rows(&mut self, state: &State<S>) -> [Vec<Rates<S>>; 2] {
-        let mut found = self.no_rates(state);
-        if let (Some(solver), Some(state), Some(rates)) =
-            (of_f32_mut(self), of_f32(state), of_f32_mut(&mut found))
-            && kernel::rates(solver, state, rates)
-        {
-            return found;
-        }
-        self.add_rates(state, &mut found);
-        found
-    }
-
-    fn add_rates(&self, state: &State<S>, [stiff, damp]: &mut [Vec<Rates<S>>; 2]) {
+    /// The rates of nodes, one spring after the other.
+    fn rates(&self, state: &State<S>) -> Vec<Rates<S>> {
+        let mut sums = vec![[Resistance::default(); 2]; state.particles.len()];
         for (link, rest) in self.table.links.iter().zip(&state.rest) {
             let (ia, ib) = (link.a as usize, link.b as usize);
             let (a, b) = (&state.particles[ia], &state.particles[ib]);
-            let (n, length) = axis(a, b);
+            let (n, inverse) = axis(a, b);
             let n = [n[0], n[1], n[2]];
-            let sideways = sideways(n, *rest, length);
+            let sideways = sideways(n, *rest * inverse);
             for (node, own, far) in [(ia, a, b), (ib, b, a)] {
                 let per_swing = if own.inv_mass > S::ZERO {
                     own.inv_mass / own.sound_swing()
@@ -231,13 +162,30 @@ impl<S: Scalar> Solver<S> {
                 };
                 let w = own.inv_mass + far.sound_swing() * per_swing;
                 let along = link.stiffness * w;
-                stiff[node].add(n, along, along * sideways);
-                if let Some(damp) = damp.get_mut(node) {
-                    damp.add(n, link.damping * w, S::ZERO);
+                let [stiff, damp] = &mut sums[node];
+                stiff.add(n, along, along * sideways);
+                if self.table.damped {
+                    damp.add_along(n, link.damping * w);
                 }
             }
         }
-        stiff.iter_mut().chain(damp).for_each(Rates::end);
+        sums.iter().map(Rates::of).collect()
+    }
+
+    /// The same by rows, where there are any; the bits are the same.
+    fn rates_by_rows(&mut self, state: &State<S>) -> Vec<Rates<S>> {
+        let mut found = std::mem::take(&mut self.rates);
+        // One more, as for forces.
+        found.resize(state.particles.len() + 1, Rates::default());
+        if let (Some(solver), Some(state), Some(rates)) = (
+            of_f32_mut(self),
+            of_f32(state),
+            of_f32_mut::<_, Vec<Rates<f32>>>(&mut found),
+        ) && kernel::rates(solver, state, rates)
+        {
+            return found;
+        }
+        self.rates(state)
     }
 
     /// The longest stable substep, its spring not named yet, and the worst rates of any node. Of a body of springs and elements
@@ -246,7 +194,7 @@ impl<S: Scalar> Solver<S> {
         &self,
         state: &State<S>,
         integrator: Integrator,
-        [stiff, damp]: &[Vec<Rates<S>>; 2],
+        rates: &[Rates<S>],
     ) -> (StableStep, (f64, f64)) {
         let part = self.part.as_ref();
         let [elastic, viscous] = part.map_or_else(Default::default, |p| p.rates(&state.particles));
@@ -263,22 +211,18 @@ impl<S: Scalar> Solver<S> {
                 // Drag damps every mode: C ≥ D·min(1/m), K ≤ max λ(K), both per mass.
                 let masses = state.particles.iter().map(|p| p.inv_mass.f64());
                 let free = masses.filter(|w| *w > 0.0);
-                let bounds = stiff.iter().map(Rates::bound);
-                let stiffest = bounds.fold(0.0, f64::max) + elastic.largest;
+                let stiff = rates.iter().map(|r| r.stiff().f64());
+                let stiffest = stiff.fold(0.0, f64::max) + elastic.largest;
                 relaxation += drag * free.fold(f64::INFINITY, f64::min) / stiffest;
             }
         }
-        let rates = |i: usize, eigenvalue: fn(&Rates<S>) -> f64| {
-            let c = damp.get(i).map_or(0.0, eigenvalue);
-            let c = c + drag * state.particles[i].inv_mass.f64();
-            (eigenvalue(&stiff[i]) + elastic.largest, c + viscous.largest)
-        };
         let mut worst = (f64::INFINITY, (-1.0, -1.0));
-        for i in (0..state.particles.len()).filter(|&i| state.particles[i].inv_mass > S::ZERO) {
-            let (k, c) = rates(i, Rates::bound);
+        let nodes = state.particles.iter().zip(rates);
+        for (p, rates) in nodes.filter(|(p, _)| p.inv_mass > S::ZERO) {
+            let k = rates.stiff().f64() + elastic.largest;
+            let c = rates.damp().f64() + drag * p.inv_mass.f64() + viscous.largest;
             // The step only falls with either.
             if k > worst.1.0 || c > worst.1.1 {
-                let (k, c) = rates(i, Rates::largest);
                 let h = integrator.stable_step(k, c, relaxation);
                 if h < worst.0 {
                     worst = (h, (k, c));
@@ -320,7 +264,7 @@ mod tests {
     use super::*;
     use crate::body::shape::{lattice, sheet};
     use crate::body::{Blueprint, Material, Spring};
-    use crate::math::Vector;
+    use crate::math::{DVec3, Vector};
 
     /// The largest eigenvalue of M⁻¹K \[1/s²\] at rest, by the power method, from below.
     fn fastest(blueprint: &Blueprint, state: &State<f64>) -> f64 {

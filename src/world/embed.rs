@@ -5,6 +5,7 @@ use super::substep::Group;
 use crate::body::{Blueprint, Embedded, State, Topology};
 use crate::contact::site::{Carrier, Side};
 use crate::math::{DVec3, Real};
+use crate::solve::kernel;
 
 impl Deformable {
     /// The points and faces that touch, at rest.
@@ -39,7 +40,7 @@ impl Deformable {
 
     /// The corners of the box around all that can touch, and around the nodes \[m\].
     pub(super) fn contact_bounds(&self) -> (DVec3, DVec3) {
-        let (lo, hi) = self.state.box_around();
+        let (lo, hi) = kernel::box_around(self.solver.kernel, &self.state);
         let Some(embedded) = &self.embedded else {
             return (lo, hi);
         };

@@ -131,12 +131,12 @@ impl Nodes<'_> {
     #[inline(always)]
     fn runs<V: Vector, const DAMPED: bool, const APPLIED: bool>(self) {
         let constants = Constants {
-            // What stands in the fourth place, 1/m and the swing, does not change, be it ever so small.
+            // What stands in the fourth place, 1/m and the swing, does not change; swings are not as small as speeds may be.
             gravity: threes(self.gravity),
             h: threes([self.h; 3]),
             half: threes([0.5 * self.h; 3]),
             one: threes([1.0; 3]),
-            still: threes([STILL as f32; 3]),
+            still: V::of(STILL),
         };
         for (block, totals) in self.totals.iter_mut().enumerate() {
             let first = SLICES * block;

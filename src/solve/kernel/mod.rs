@@ -12,6 +12,7 @@
 //! **Every width gives the same bits**, and those of the scalar pass ([`super::forces`]): a row sums its springs in their order,
 //! products are not fused with sums, and square roots and quotients are exact. So [`Kernel`] is a matter of speed alone.
 
+mod extent;
 mod integrate;
 mod limits;
 mod log;
@@ -32,6 +33,7 @@ mod tests;
 mod trial;
 mod vector;
 
+pub(crate) use extent::box_around;
 pub(crate) use integrate::{Totals, symplectic_euler};
 pub(crate) use pass::{make_rows, spring_forces};
 pub(crate) use rates::rates;

@@ -6,16 +6,16 @@ use super::table::{End, Table};
 use super::trial::Trial;
 use super::vector::{Half, LANES, Pass, Runs, Vector, Wide, Width, Writer, run};
 use crate::body::state::State;
-use crate::law::stable::{Symmetric, about_largest, add_spring, cheap_bound, sideways};
+use crate::law::stable::{Resistance, sideways};
 use crate::solve::solver::Solver;
 use crate::solve::springs::Rows;
 use crate::solve::stable::Rates;
 
-/// Writes the rates of stiffness, and of viscosity where there is any; `false` where there are no rows to do it by.
+/// Writes the rates; `false` where there are no rows to do it by.
 pub(crate) fn rates(
     solver: &mut Solver<f32>,
     state: &State<f32>,
-    [stiff, damp]: &mut [Vec<Rates<f32>>; 2],
+    rates: &mut [Rates<f32>],
 ) -> bool {
     let Rows::Made(sell) = &mut solver.table.rows else {
         return false;
@@ -26,9 +26,9 @@ pub(crate) fn rates(
         mirror,
         ..
     } = &mut **sell;
-    let (Some(table), Some(stiff)) = (
+    let (Some(table), Some(out)) = (
         Table::of(layout, &state.particles),
-        layout.out.of_mut(stiff),
+        layout.out.of_mut(rates),
     ) else {
         return false;
     };
@@ -43,8 +43,7 @@ pub(crate) fn rates(
     };
     let pass = NodeRates {
         rest: limits.as_ref().map_or(&[], |l| &l.rest[..]),
-        stiff,
-        damp: layout.out.of_mut(damp).filter(|_| table.is_damped()),
+        out,
         table,
         runs,
     };
@@ -52,61 +51,59 @@ pub(crate) fn rates(
     true
 }
 
+/// Nodes at such a distance have a direction \[m\].
+const ONE_PLACE: f64 = 1e-14;
+
 struct NodeRates<'a> {
     table: Table<'a>,
     runs: Runs<'a>,
     /// Rest lengths by slot, where they can change, else empty.
     rest: &'a [Wide],
-    stiff: Writer<'a, Rates<f32>>,
-    damp: Option<Writer<'a, Rates<f32>>>,
+    out: Writer<'a, Rates<f32>>,
 }
 
 impl Pass for NodeRates<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<V: Vector>(mut self) {
-        for slice in 0..self.table.slices() {
-            for part in 0..LANES / V::LANES {
-                let [stiff, damp] = if self.table.is_regular(slice) {
-                    let slots = self.table.regular_slots(slice, &self.runs);
-                    self.of_nodes::<V, _>((slice, part), slots)
-                } else {
-                    self.of_nodes::<V, _>((slice, part), self.table.slots(slice))
-                };
-                put(&mut self.stiff, (slice, part), stiff);
-                if let Some(out) = &mut self.damp {
-                    put(out, (slice, part), damp);
-                }
-            }
+    fn run<V: Vector>(self) {
+        if self.table.is_damped() {
+            self.slices::<V, true>();
+        } else {
+            self.slices::<V, false>();
         }
     }
 }
 
-#[inline(always)]
-fn put<V: Vector>(
-    out: &mut Writer<'_, Rates<f32>>,
-    (slice, part): (usize, usize),
-    m: Symmetric<V>,
-) {
-    let [a, b, c, d, e, f] = m;
-    out.put(slice, part, Half::First, [a, b, c, d]);
-    let ends = [e, f, cheap_bound(&m), about_largest(&m)];
-    out.put(slice, part, Half::Second, ends);
-}
-
 impl NodeRates<'_> {
     #[inline(always)]
-    fn of_nodes<V: Vector, E: End<V>>(
+    fn slices<V: Vector, const DAMPED: bool>(mut self) {
+        for slice in 0..self.table.slices() {
+            for part in 0..LANES / V::LANES {
+                let [stiff, damp] = if self.table.is_regular(slice) {
+                    let slots = self.table.regular_slots(slice, &self.runs);
+                    self.of_nodes::<V, _, DAMPED>((slice, part), slots)
+                } else {
+                    let slots = self.table.slots(slice);
+                    self.of_nodes::<V, _, DAMPED>((slice, part), slots)
+                };
+                let rates = [stiff, damp, V::ZERO, V::ZERO];
+                self.out.put(slice, part, Half::First, rates);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn of_nodes<V: Vector, E: End<V>, const DAMPED: bool>(
         &self,
         (slice, part): (usize, usize),
         slots: impl Iterator<Item = (usize, E, usize)>,
-    ) -> [Symmetric<V>; 2] {
+    ) -> [V; 2] {
         let own = self.table.own(slice);
         let [x, y, z, inv_mass] = own.columns::<V>(part, Half::First);
         let [.., swing] = own.columns::<V>(part, Half::Second);
-        let per_swing = V::above(swing, V::ZERO, inv_mass / swing, V::ZERO);
-        let (mut stiff, mut damp) = ([V::ZERO; 6], [V::ZERO; 6]);
+        let per_swing = V::above(inv_mass, V::ZERO, inv_mass / swing, V::ZERO);
+        let [mut stiff, mut damp] = [Resistance::default(); 2];
         for (slot, far, which) in slots {
             let rest = match self.rest.get(slot) {
                 Some(rest) => V::load(rest, part),
@@ -114,15 +111,23 @@ impl NodeRates<'_> {
             };
             let trial = Trial::new([x, y, z], &far, part, rest);
             let w = inv_mass + far.swing(part) * per_swing;
-            let along = self.table.stiffness::<V>(which, part) * w;
+            let stiffness = self.table.stiffness::<V>(which, part);
             let direction = trial.direction();
-            let across = along * sideways(direction, rest, trial.length);
-            add_spring(&mut stiff, direction, along, across);
-            if self.damp.is_some() {
-                let along = self.table.damping::<V>(which, part) * w;
-                add_spring(&mut damp, direction, along, V::ZERO);
+            let shortness = rest * trial.inverse;
+            // Nodes in one place are rare.
+            let apart = V::above(stiffness, V::ZERO, trial.length, V::ONE);
+            let sideways = if apart.all_above(V::of(ONE_PLACE)) {
+                (V::ONE - shortness).max(V::ZERO)
+            } else {
+                sideways(direction, shortness)
+            };
+            let along = stiffness * w;
+            stiff.add(direction, along, along * sideways);
+            if DAMPED {
+                damp.add_along(direction, self.table.damping::<V>(which, part) * w);
             }
         }
-        [stiff, damp]
+        let damp = if DAMPED { damp.largest() } else { V::ZERO };
+        [stiff.largest(), damp]
     }
 }

@@ -1,6 +1,7 @@
 //! A deformable as it is saved: blueprint, state and settings. Tables, topology and elements follow from these, so a
 //! snapshot does not depend on how a kernel lays them out.
 
+use crate::body::state::Particle;
 use crate::body::{Blueprint, BuildError, Embedded, State, Topology};
 use crate::contact::encounter::outline::Outline;
 use crate::contact::target::Surface;
@@ -121,10 +122,7 @@ impl Saved {
                 "nodes",
             ),
             (
-                state
-                    .particles
-                    .iter()
-                    .all(|p| p.swing >= 0.0 && p.swing.is_finite()),
+                state.particles.iter().all(Particle::swings_soundly),
                 "swings",
             ),
             (
