@@ -55,7 +55,7 @@ pub struct Solver<S> {
     /// Of each block of nodes.
     pub(crate) totals: Vec<Totals>,
     /// Of each node when it was last looked at, and one more.
-    pub(crate) rates: Vec<Rates<S>>,
+    pub(crate) last_rates: Vec<Rates<S>>,
     /// Springs that yielded or broke since the last look. Each does so once.
     pub(crate) events: Vec<LimitEvent<S>>,
     /// Largest squared speed that the last integration pass has seen, before rows gave their impulses; NaN or infinite when a

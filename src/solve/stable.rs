@@ -60,6 +60,9 @@ const FIRST_LOOKS: usize = 4;
 /// come to be.
 const LEAST_SWING: f64 = 1.0 / 32.0;
 
+/// The least of all, in the largest that the lightest node can have: far more than what the integration takes for nothing.
+const FAINTEST_SWING: f64 = 1e-12;
+
 impl<S: Scalar> Solver<S> {
     /// The longest stable substep of a scheme for the body as it is now, and which spring or element sets it.
     ///
@@ -91,7 +94,7 @@ impl<S: Scalar> Solver<S> {
         let rates = self.rates_by_rows(state);
         let (step, worst) = self.longest_step(state, integrator, &rates);
         self.learn_swings(state, &rates, worst);
-        self.rates = rates;
+        self.last_rates = rates;
         step
     }
 
@@ -125,11 +128,10 @@ impl<S: Scalar> Solver<S> {
             }
         }
         let (least, per_most) = (S::of(LEAST_SWING), S::ONE / most);
-        // In a unit in which the integration takes none for nothing, be the nodes ever so heavy.
-        let per_lightest = S::ONE / lightest;
+        let (faintest, per_lightest) = (S::of(FAINTEST_SWING), S::ONE / lightest);
         for p in state.particles.iter_mut().filter(|p| p.inv_mass > S::ZERO) {
             let share = (p.swing * per_most).max(least).min(S::ONE);
-            p.swing = share * (p.inv_mass * per_lightest);
+            p.swing = (share * (p.inv_mass * per_lightest)).max(faintest);
         }
     }
 
@@ -174,7 +176,7 @@ impl<S: Scalar> Solver<S> {
 
     /// The same by rows, where there are any; the bits are the same.
     fn rates_by_rows(&mut self, state: &State<S>) -> Vec<Rates<S>> {
-        let mut found = std::mem::take(&mut self.rates);
+        let mut found = std::mem::take(&mut self.last_rates);
         // One more, as for forces.
         found.resize(state.particles.len() + 1, Rates::default());
         if let (Some(solver), Some(state), Some(rates)) = (
@@ -380,5 +382,14 @@ mod tests {
         }
         let found = solver.review(&mut state, Integrator::SymplecticEuler);
         assert_eq!(found.h, sound.h);
+    }
+
+    /// The integration takes speeds below 1e-20 m/s for none, and a swing goes along with them.
+    #[test]
+    fn no_node_is_too_heavy_to_swing() {
+        let (mut solver, mut state) = chain(&[1000.0, 3000.0, 500.0]);
+        state.set_inv_mass(1, 1e-30);
+        solver.learn(&mut state, Integrator::SymplecticEuler);
+        assert!(state.particles.iter().all(|p| p.swing > 1e-15));
     }
 }
