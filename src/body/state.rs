@@ -1,10 +1,10 @@
 //! What a solver writes: positions, velocities, rest lengths, plastic flow, broken flags.
 //!
 //! The layout is the one vector kernels want: a node is 32 bytes (x, y, z, 1/m, vx, vy, vz, swing), fetched by one
-//! aligned load. Positions are compensated: what rounding takes from x + h·v is kept in a low-order part that only the
-//! integration touches, so that a node at 1 mm/s with h = 1 µs moves although h·v is far below the spacing of `f32` at x.
-//! Springs use the high part. Positions are relative to an origin that follows the body, so that a body far from the
-//! world's origin is as exact as one at it.
+//! load that crosses no line of the cache. Positions are compensated: what rounding takes from x + h·v is kept in a low-order
+//! part that only the integration touches, so that a node at 1 mm/s with h = 1 µs moves although h·v is far below the spacing
+//! of `f32` at x. Springs use the high part. Positions are relative to an origin that follows the body, so that a body far
+//! from the world's origin is as exact as one at it.
 
 use crate::math::{DVec3, Scalar, two_sum};
 

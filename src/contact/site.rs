@@ -5,7 +5,7 @@ use crate::body::Binding;
 use crate::body::state::State;
 use crate::body::topology::Topology;
 use crate::math::{DVec3, Real, Vector};
-use crate::solve::forces::Force;
+use crate::solve::forces::Forces;
 use crate::solve::rows::{RowNode, Rows};
 use crate::solve::shadow::Shadow;
 
@@ -39,7 +39,7 @@ pub struct Side<'a> {
     /// What carries them.
     pub carrier: Carrier<'a>,
     /// Forces within the body at its nodes, when they were last summed.
-    pub(crate) forces: &'a [Force<Real>],
+    pub(crate) forces: &'a Forces<Real>,
 }
 
 /// What carries the points of a surface: they are nodes, or weighted means of nodes.
@@ -80,7 +80,7 @@ impl Side<'_> {
     /// What h s of the forces within the body that its nodes had last add to the velocity of a point \[m/s\].
     pub fn gain(&self, point: u32, h: f64) -> DVec3 {
         let of = |node: usize| {
-            let force = self.forces.get(node).map_or([0.0; 3], Force::sum);
+            let force = self.forces.at(node).sum();
             let inv_mass = f64::from(self.carrier.nodes.particles[node].inv_mass);
             h * inv_mass * Vector::from_array(force).as_dvec3()
         };

@@ -15,14 +15,22 @@ pub(crate) type Lanes<S> = [S; 4];
 
 /// Forces on one node \[N\].
 #[derive(Clone, Copy, Debug, Default)]
-#[repr(C, align(32))]
+pub(crate) struct Force<S> {
+    pub elastic: Lanes<S>,
+    pub damping: Lanes<S>,
+}
+
+/// Forces on all nodes \[N\].
+#[derive(Clone, Debug, Default)]
 #[cfg_attr(
     feature = "serde-serialize",
     derive(serde::Serialize, serde::Deserialize)
 )]
-pub(crate) struct Force<S> {
-    pub elastic: Lanes<S>,
-    pub damping: Lanes<S>,
+pub(crate) struct Forces<S> {
+    /// One for each node, and one more that means nothing.
+    pub elastic: Vec<Lanes<S>>,
+    /// As many, or none where nothing was damped at the last evaluation.
+    pub damping: Vec<Lanes<S>>,
 }
 
 impl<S: Scalar> Force<S> {
@@ -31,10 +39,49 @@ impl<S: Scalar> Force<S> {
     pub fn sum(&self) -> [S; 3] {
         [0, 1, 2].map(|k| self.elastic[k] + self.damping[k])
     }
+}
 
-    /// Makes both so many times as large.
+impl<S: Scalar> Forces<S> {
+    /// None yet on so many nodes.
+    pub fn new(nodes: usize) -> Self {
+        Self {
+            elastic: vec![Default::default(); nodes + 1],
+            damping: Vec::new(),
+        }
+    }
+
+    /// Whether they are as many as so many nodes want.
+    #[cfg(feature = "serde-serialize")]
+    pub fn are_of(&self, nodes: usize) -> bool {
+        let damping = self.damping.len();
+        self.elastic.len() == nodes + 1 && (damping == 0 || damping == nodes + 1)
+    }
+
+    /// Those on a node.
+    #[inline(always)]
+    pub fn at(&self, node: usize) -> Force<S> {
+        Force {
+            elastic: self.elastic[node],
+            damping: self.damping.get(node).copied().unwrap_or_default(),
+        }
+    }
+
+    /// Makes room for damping forces, or leaves none.
+    pub fn set_damped(&mut self, damped: bool) {
+        let wanted = if damped { self.elastic.len() } else { 0 };
+        self.damping.resize(wanted, Default::default());
+    }
+
+    /// Makes all zero.
+    pub fn clear(&mut self) {
+        self.elastic.fill(Default::default());
+        self.damping.fill(Default::default());
+    }
+
+    /// Makes all so many times as large.
     pub fn scale(&mut self, by: S) {
-        (self.elastic, self.damping) = (scale(self.elastic, by), scale(self.damping, by));
+        let all = self.elastic.iter_mut().chain(&mut self.damping);
+        all.for_each(|f| *f = scale(*f, by));
     }
 }
 
@@ -58,19 +105,19 @@ pub(crate) struct LimitEvent<S> {
 
 /// Writes the force of springs, and of drag D \[N·s/m\], on every node. With `commit`, which is the time since the last commit
 /// \[s\], plastic flow and breaking are written to the state; without, they only limit the force, as the inner stages of a
-/// scheme need.
+/// scheme need. Damping forces need room, see [`Forces::set_damped`].
 pub(crate) fn spring_forces<S: Scalar>(
     kernel: Kernel,
     table: &mut SpringTable<S>,
     state: &mut State<S>,
-    forces: &mut Vec<Force<S>>,
+    forces: &mut Forces<S>,
     events: &mut Vec<LimitEvent<S>>,
     (commit, drag): (Option<S>, S),
 ) -> Happened {
     if let (Some(table), Some(state), Some(forces), Some(events)) = (
         of_f32_mut(table),
         of_f32_mut(state),
-        of_f32_mut::<_, Vec<_>>(forces),
+        of_f32_mut(forces),
         of_f32_mut(events),
     ) {
         let settings = (commit.map(|h| h.f64() as f32), drag.f64() as f32);
@@ -79,11 +126,11 @@ pub(crate) fn spring_forces<S: Scalar>(
             return happened;
         }
     }
-    forces.fill(Force::default());
+    forces.clear();
     if drag > S::ZERO {
-        for (f, p) in forces.iter_mut().zip(&state.particles) {
-            for k in 0..3 {
-                f.damping[k] = -(drag * p.v[k]);
+        for (f, p) in forces.damping.iter_mut().zip(&state.particles) {
+            for (f, v) in f.iter_mut().zip(p.v) {
+                *f = -(drag * v);
             }
         }
     }
@@ -95,7 +142,7 @@ pub(crate) fn spring_forces<S: Scalar>(
 pub(crate) fn add_spring_forces<S: Scalar>(
     table: &mut SpringTable<S>,
     state: &mut State<S>,
-    forces: &mut [Force<S>],
+    forces: &mut Forces<S>,
     events: &mut Vec<LimitEvent<S>>,
     commit: Option<S>,
 ) -> Happened {
@@ -170,7 +217,7 @@ pub(crate) fn axis<S: Scalar>(a: &Particle<S>, b: &Particle<S>) -> (Lanes<S>, S)
 fn pass<S: Scalar, const LIMITED: bool, const COMMIT: bool, const DAMPED: bool>(
     table: &mut SpringTable<S>,
     state: &mut State<S>,
-    forces: &mut [Force<S>],
+    forces: &mut Forces<S>,
     events: &mut Vec<LimitEvent<S>>,
     h: S,
 ) -> Happened {
@@ -224,11 +271,11 @@ fn pass<S: Scalar, const LIMITED: bool, const COMMIT: bool, const DAMPED: bool>(
         if DAMPED {
             let rate = dot_lanes(sub(velocity(b), velocity(a)), d) * inverse;
             let viscous = scale(d, spring::damping(viscosity, rate) * inverse);
-            add_to(&mut forces[ia].damping, viscous);
-            add_to(&mut forces[ib].damping, scale(viscous, -S::ONE));
+            add_to(&mut forces.damping[ia], viscous);
+            add_to(&mut forces.damping[ib], scale(viscous, -S::ONE));
         }
-        add_to(&mut forces[ia].elastic, pull);
-        add_to(&mut forces[ib].elastic, scale(pull, -S::ONE));
+        add_to(&mut forces.elastic[ia], pull);
+        add_to(&mut forces.elastic[ib], scale(pull, -S::ONE));
     }
     table.cut_broken(state, &events[old_events..]);
     happened

@@ -6,7 +6,7 @@
 
 use super::external::{External, ForceField};
 use super::fem::Part;
-use super::forces::{Force, LimitEvent, dot, spring_forces, three};
+use super::forces::{Forces, LimitEvent, dot, spring_forces, three};
 use super::integrate::Integrator;
 use super::kernel::{self, Kernel, Totals, of_f32, of_f32_mut};
 use super::springs::{Rows, SpringTable};
@@ -46,8 +46,7 @@ pub struct Solver<S> {
     pub time: f64,
     /// How long the last substep was \[s\], if nothing has been changed by hand since, for symplectic Euler.
     pub(crate) last_substep: Option<f64>,
-    /// One for each node, and one more that means nothing.
-    pub(crate) forces: Vec<Force<S>>,
+    pub(crate) forces: Forces<S>,
     /// Sum of node forces and field at each node; empty when there are none.
     pub(crate) applied: Vec<[S; 3]>,
     pub(crate) start: Vec<([S; 3], [S; 3])>,
@@ -71,7 +70,7 @@ impl<S: Scalar> Solver<S> {
         Self {
             events: Vec::with_capacity(2 * table.limits.len()),
             table,
-            forces: vec![Force::default(); state.particles.len() + 1],
+            forces: Forces::new(state.particles.len()),
             ..Self::default()
         }
     }
@@ -122,8 +121,9 @@ impl<S: Scalar> Solver<S> {
         self.table.settle(state);
     }
 
-    /// Makes the table of springs that the first substep would make.
+    /// Makes the table of springs that the first substep would make, and the room that it would.
     pub(crate) fn make_ready(&mut self, state: &State<S>) {
+        self.forces.set_damped(self.is_damped());
         if let (Some(table), Some(state)) = (
             of_f32_mut::<_, SpringTable<f32>>(&mut self.table),
             of_f32(state),
@@ -163,7 +163,7 @@ impl<S: Scalar> Solver<S> {
             *v += d;
         }
         state.displace(node, [dv[0] * step, dv[1] * step, dv[2] * step]);
-        self.work.damping -= 0.5 * h * dot(three(self.forces[node].damping), dv).f64();
+        self.work.damping -= 0.5 * h * dot(three(self.forces.at(node).damping), dv).f64();
         if let Some(applied) = self.applied.get(node) {
             self.work.external += 0.5 * h * dot(*applied, dv).f64();
         }
@@ -171,7 +171,7 @@ impl<S: Scalar> Solver<S> {
 
     /// Force of springs, elements and outside on a node at the last evaluation \[N\], gravity left out.
     pub(crate) fn force(&self, node: usize) -> DVec3 {
-        let f = &self.forces[node];
+        let f = self.forces.at(node);
         let sum = |k: usize| {
             f.elastic[k].f64()
                 + f.damping[k].f64()
@@ -182,7 +182,7 @@ impl<S: Scalar> Solver<S> {
 
     /// Force of springs and elements on a node at the last evaluation, damping left out \[N\].
     pub(crate) fn elastic_force(&self, node: usize) -> DVec3 {
-        let f = self.forces[node].elastic;
+        let f = self.forces.elastic[node];
         DVec3::new(f[0].f64(), f[1].f64(), f[2].f64())
     }
 
@@ -195,7 +195,7 @@ impl<S: Scalar> Solver<S> {
 
     /// Drops the forces of the last evaluation, when the state they belong to is given up.
     pub(crate) fn forget_forces(&mut self) {
-        self.forces.fill(Force::default());
+        self.forces.clear();
         self.applied.clear();
     }
 
@@ -209,6 +209,7 @@ impl<S: Scalar> Solver<S> {
         after: S,
     ) {
         self.evaluate_applied(state, field, self.time + after.f64());
+        self.forces.set_damped(self.is_damped());
         let happened = spring_forces(
             self.kernel,
             &mut self.table,

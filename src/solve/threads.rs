@@ -13,6 +13,7 @@
 pub(crate) const BLOCK: usize = 256;
 
 /// Work on blocks that follow each other.
+#[cfg_attr(not(feature = "parallel"), allow(dead_code))]
 pub(crate) trait Work: Sized + Send {
     /// How many there are.
     fn blocks(&self) -> usize;

@@ -64,7 +64,7 @@ impl Deformable {
             solver,
             ..
         } = self;
-        let forces = &solver.forces[..];
+        let forces = &solver.forces;
         let carrier = |bindings| Carrier {
             body,
             nodes: state,

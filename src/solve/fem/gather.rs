@@ -6,7 +6,7 @@
 use super::kernel::{ElementForces, Out};
 use super::model::Model;
 use crate::body::state::Particle;
-use crate::solve::forces::{Force, add_to};
+use crate::solve::forces::{Force, Forces, Lanes, add_to};
 use crate::solve::kernel::{Kernel, run};
 use crate::solve::threads::{Nodes, share};
 
@@ -51,7 +51,7 @@ impl Gather {
         (kernel, parts): (Kernel, usize),
         model: &Model<f32>,
         particles: &[Particle<f32>],
-        forces: &mut [Force<f32>],
+        forces: &mut Forces<f32>,
     ) {
         let elements = ElementForces {
             model,
@@ -60,23 +60,32 @@ impl Gather {
             out: Out::Elements(&mut self.forces),
         };
         share(elements, parts, &|elements| run(kernel, elements));
-        let damped = model.solid().stiffness_damping > 0.0;
-        let nodes = Nodes {
-            first: 0,
-            values: &mut forces[..self.firsts.len() - 1],
-        };
-        share(nodes, parts, &|nodes| self.add_to_nodes(nodes, damped));
+        self.add_to_nodes(parts, &mut forces.elastic, |f| f.elastic);
+        if model.solid().stiffness_damping > 0.0 {
+            self.add_to_nodes(parts, &mut forces.damping, |f| f.damping);
+        }
     }
 
-    fn add_to_nodes(&self, nodes: Nodes<Force<f32>>, damped: bool) {
+    /// A body may have more nodes than its elements have.
+    fn add_to_nodes(
+        &self,
+        parts: usize,
+        sums: &mut [Lanes<f32>],
+        which: impl Fn(&Force<f32>) -> Lanes<f32> + Sync,
+    ) {
+        let nodes = Nodes {
+            first: 0,
+            values: &mut sums[..self.firsts.len() - 1],
+        };
+        share(nodes, parts, &|nodes| self.gather(nodes, &which));
+    }
+
+    #[inline(always)]
+    fn gather(&self, nodes: Nodes<Lanes<f32>>, which: &impl Fn(&Force<f32>) -> Lanes<f32>) {
         let starts = self.firsts[nodes.first..].windows(2);
         for (force, start) in nodes.values.iter_mut().zip(starts) {
             for &place in &self.places[start[0] as usize..start[1] as usize] {
-                let kept = &self.forces[place as usize];
-                add_to(&mut force.elastic, kept.elastic);
-                if damped {
-                    add_to(&mut force.damping, kept.damping);
-                }
+                add_to(force, which(&self.forces[place as usize]));
             }
         }
     }

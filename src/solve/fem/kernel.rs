@@ -6,7 +6,7 @@ use super::model::Model;
 use super::pass::Field;
 use crate::body::state::Particle;
 use crate::math::LANES;
-use crate::solve::forces::{Force, add_to};
+use crate::solve::forces::{Force, Forces, add_to};
 use crate::solve::kernel::{Half, Kernel, Pass, Vector, put_four, run};
 use crate::solve::threads::Work;
 use std::ops::Range;
@@ -16,7 +16,7 @@ pub(crate) fn add_forces(
     kernel: Kernel,
     model: &Model<f32>,
     particles: &[Particle<f32>],
-    forces: &mut [Force<f32>],
+    forces: &mut Forces<f32>,
 ) {
     let elements = ElementForces {
         model,
@@ -38,7 +38,7 @@ pub(super) struct ElementForces<'a> {
 /// Where the forces of elements go.
 pub(super) enum Out<'a> {
     /// They are added to those of nodes, which only all elements together may do.
-    Nodes(&'a mut [Force<f32>]),
+    Nodes(&'a mut Forces<f32>),
     /// They are kept, from those of the first block on: one for each node of each element.
     Elements(&'a mut [Force<f32>]),
 }
@@ -146,10 +146,10 @@ impl<V: Vector> Field<f32, V> for ElementForces<'_> {
             Out::Nodes(forces) => {
                 for l in lanes {
                     for (n, [elastic, damping]) in rows.iter().enumerate() {
-                        let force = &mut forces[blocks.node::<V>(at, n, l)];
-                        add_to(&mut force.elastic, elastic[l]);
+                        let node = blocks.node::<V>(at, n, l);
+                        add_to(&mut forces.elastic[node], elastic[l]);
                         if DAMPED {
-                            add_to(&mut force.damping, damping[l]);
+                            add_to(&mut forces.damping[node], damping[l]);
                         }
                     }
                 }

@@ -6,7 +6,7 @@ use super::kernel;
 use super::model::Model;
 use crate::body::state::Particle;
 use crate::math::Scalar;
-use crate::solve::forces::Force;
+use crate::solve::forces::{Forces, Lanes, add_to};
 use crate::solve::kernel::{Kernel, of_f32, of_f32_mut};
 use crate::solve::threads;
 use std::sync::Arc;
@@ -48,12 +48,12 @@ impl<S: Scalar> Part<S> {
         &mut self,
         kernel: Kernel,
         particles: &Vec<Particle<S>>,
-        forces: &mut Vec<Force<S>>,
+        forces: &mut Forces<S>,
     ) {
         if let (Some(model), Some(particles), Some(forces)) = (
             of_f32::<_, Model<f32>>(&*self.model),
             of_f32::<_, Vec<_>>(particles),
-            of_f32_mut::<_, Vec<_>>(forces),
+            of_f32_mut(forces),
         ) {
             let work = ELEMENT * model.nodes_per_element() * model.element_count();
             let parts = threads::parts(work);
@@ -66,9 +66,10 @@ impl<S: Scalar> Part<S> {
             }
         } else {
             let add = |n: usize, elastic: [S; 3], damping: [S; 3]| {
-                for k in 0..3 {
-                    forces[n].elastic[k] += elastic[k];
-                    forces[n].damping[k] += damping[k];
+                let add = |sum: &mut Lanes<S>, [x, y, z]: [S; 3]| add_to(sum, [x, y, z, S::ZERO]);
+                add(&mut forces.elastic[n], elastic);
+                if let Some(sum) = forces.damping.get_mut(n) {
+                    add(sum, damping);
                 }
             };
             let (x, v) = (|n: usize| particles[n].x, |n: usize| particles[n].v);
@@ -78,7 +79,7 @@ impl<S: Scalar> Part<S> {
         if alpha > S::ZERO {
             let nodes = threads::Nodes {
                 first: 0,
-                values: &mut forces[..particles.len()],
+                values: &mut forces.damping[..],
             };
             let parts = threads::parts(particles.len());
             threads::share(nodes, parts, &|nodes| {
@@ -87,9 +88,8 @@ impl<S: Scalar> Part<S> {
                 let each = nodes.values.iter_mut().zip(particles);
                 for (f, p) in each.filter(|(_, p)| free(p)) {
                     let c = alpha / p.inv_mass;
-                    for k in 0..3 {
-                        f.damping[k] -= c * p.v[k];
-                    }
+                    let [x, y, z] = p.v.map(|v| -(c * v));
+                    add_to(f, [x, y, z, S::ZERO]);
                 }
             });
         }

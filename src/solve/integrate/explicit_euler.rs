@@ -17,9 +17,9 @@ pub(super) fn predict<S: Scalar>(
     for i in 0..state.particles.len() {
         let p = state.particles[i];
         let applied = applied_at(&solver.applied, i);
-        let a = acceleration(&p, &solver.forces[i], applied, solver.external.gravity);
+        let a = acceleration(&p, &solver.forces.at(i), applied, solver.external.gravity);
         let moved = [h * p.v[0], h * p.v[1], h * p.v[2]];
-        sums.book(&p, &solver.forces[i], applied, moved);
+        sums.book(&p, &solver.forces.at(i), applied, moved);
         state.displace(i, moved);
         let v = &mut state.particles[i].v;
         for k in 0..3 {

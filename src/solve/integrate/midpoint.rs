@@ -18,7 +18,7 @@ pub(super) fn predict<S: Scalar>(
     for (i, p) in state.particles.iter_mut().enumerate() {
         let a = acceleration(
             p,
-            &solver.forces[i],
+            &solver.forces.at(i),
             applied_at(&solver.applied, i),
             solver.external.gravity,
         );
@@ -32,9 +32,9 @@ pub(super) fn predict<S: Scalar>(
     for i in 0..state.particles.len() {
         let p = &mut state.particles[i];
         let applied = applied_at(&solver.applied, i);
-        let a = acceleration(p, &solver.forces[i], applied, solver.external.gravity);
+        let a = acceleration(p, &solver.forces.at(i), applied, solver.external.gravity);
         let moved = [h * p.v[0], h * p.v[1], h * p.v[2]];
-        sums.book(p, &solver.forces[i], applied, moved);
+        sums.book(p, &solver.forces.at(i), applied, moved);
         let (x, v) = solver.start[i];
         p.x = x;
         for (k, a) in a.into_iter().enumerate() {

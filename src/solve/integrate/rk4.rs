@@ -33,9 +33,9 @@ pub(super) fn predict<S: Scalar>(
         after = next;
         for (i, p) in state.particles.iter_mut().enumerate() {
             let applied = applied_at(&solver.applied, i);
-            let a = acceleration(p, &solver.forces[i], applied, solver.external.gravity);
+            let a = acceleration(p, &solver.forces.at(i), applied, solver.external.gravity);
             let along = [weight * p.v[0], weight * p.v[1], weight * p.v[2]];
-            sums.book(p, &solver.forces[i], applied, along);
+            sums.book(p, &solver.forces.at(i), applied, along);
             let (x, v) = solver.start[i];
             let (moved, kicked) = &mut solver.sums[i];
             for k in 0..3 {

@@ -21,7 +21,7 @@ pub(super) fn predict<S: Scalar>(
     solver.evaluate(state, field, Some(last), S::ZERO);
     if last != h {
         let share = S::of(0.5) * (S::ONE + last / h);
-        solver.forces.iter_mut().for_each(|f| f.scale(share));
+        solver.forces.scale(share);
     }
     let half = S::of(0.5) * h;
     let mut sums = Sums::new();
@@ -29,7 +29,7 @@ pub(super) fn predict<S: Scalar>(
     for i in moved..state.particles.len() {
         let p = &mut state.particles[i];
         let applied = applied_at(&solver.applied, i);
-        let a = acceleration(p, &solver.forces[i], applied, solver.external.gravity);
+        let a = acceleration(p, &solver.forces.at(i), applied, solver.external.gravity);
         let mut twice_mean = p.v;
         for k in 0..3 {
             p.v[k] += h * a[k];
@@ -41,7 +41,7 @@ pub(super) fn predict<S: Scalar>(
             half * twice_mean[1],
             half * twice_mean[2],
         ];
-        sums.book(p, &solver.forces[i], applied, mean);
+        sums.book(p, &solver.forces.at(i), applied, mean);
         sums.speed(v);
         state.displace(i, [h * v[0], h * v[1], h * v[2]]);
     }

@@ -29,7 +29,7 @@ pub(super) fn predict<S: Scalar>(
         let p = state.particles[i];
         sums.book(
             &p,
-            &solver.forces[i],
+            &solver.forces.at(i),
             applied_at(&solver.applied, i),
             quarter(half, solver.start[i].1, p.v),
         );
@@ -53,7 +53,7 @@ pub(super) fn finish<S: Scalar>(
     for (i, p) in state.particles.iter().enumerate() {
         sums.book(
             p,
-            &solver.forces[i],
+            &solver.forces.at(i),
             applied_at(&solver.applied, i),
             quarter(half, solver.start[i].1, p.v),
         );
@@ -67,7 +67,7 @@ fn half_kick<S: Scalar>(solver: &Solver<S>, state: &mut State<S>, half: S) {
     for (i, p) in state.particles.iter_mut().enumerate() {
         let a = acceleration(
             p,
-            &solver.forces[i],
+            &solver.forces.at(i),
             applied_at(&solver.applied, i),
             solver.external.gravity,
         );

@@ -4,10 +4,10 @@
 //! columns of rows, and rows of columns again, would take longer than to compute a fourth number for nothing.
 
 use super::SLICES;
-use super::vector::{LANES, Pass, Vector, Wide, numbers, numbers_mut, run};
+use super::vector::{LANES, Pass, Vector, Wide, numbers_mut, run};
 use crate::body::state::{Particle, State};
 use crate::math::two_sum;
-use crate::solve::forces::Force;
+use crate::solve::forces::Lanes as Four;
 use crate::solve::solver::Solver;
 use crate::solve::springs::Rows;
 use crate::solve::threads::{NODE, Work, parts, share};
@@ -36,16 +36,15 @@ pub(crate) fn symplectic_euler(
     }
     let (particles, _) = state.particles.as_chunks_mut::<LANES>();
     let (low, _) = state.low.as_chunks_mut::<LANES>();
-    let (forces, _) = solver.forces.as_chunks::<LANES>();
     let moved = LANES * particles.len();
     let mut totals = std::mem::take(&mut solver.totals);
     totals.resize(particles.len().div_ceil(SLICES), Totals::default());
     let nodes = Nodes {
         particles,
         low,
-        forces,
+        elastic: solver.forces.elastic.as_chunks().0,
+        damping: solver.forces.damping.as_chunks().0,
         applied: solver.applied.as_chunks().0,
-        damped: solver.is_damped(),
         gravity: solver.external.gravity,
         h,
         totals: &mut totals,
@@ -70,10 +69,10 @@ impl Totals {
 struct Nodes<'a> {
     particles: &'a mut [[Particle<f32>; LANES]],
     low: &'a mut [[[f32; 4]; LANES]],
-    forces: &'a [[Force<f32>; LANES]],
+    elastic: &'a [[Four<f32>; LANES]],
+    /// Empty where there are no damping forces.
+    damping: &'a [[Four<f32>; LANES]],
     applied: &'a [[[f32; 3]; LANES]],
-    /// Whether there is any damping force.
-    damped: bool,
     gravity: [f32; 3],
     h: f32,
     /// Sums of each block: few enough nodes that no sum in `f32` outgrows what is added to it, and that they stay in the nearest
@@ -90,14 +89,16 @@ impl Work for Nodes<'_> {
         let groups = SLICES * at;
         let (particles, more_particles) = self.particles.split_at_mut(groups);
         let (low, more_low) = self.low.split_at_mut(groups);
-        let (forces, more_forces) = self.forces.split_at(groups);
+        let (elastic, more_elastic) = self.elastic.split_at(groups);
+        let (damping, more_damping) = self.damping.split_at(groups.min(self.damping.len()));
         let (applied, more_applied) = self.applied.split_at(groups.min(self.applied.len()));
         let (totals, more_totals) = self.totals.split_at_mut(at);
         [
             Self {
                 particles,
                 low,
-                forces,
+                elastic,
+                damping,
                 applied,
                 totals,
                 ..self
@@ -105,7 +106,8 @@ impl Work for Nodes<'_> {
             Self {
                 particles: more_particles,
                 low: more_low,
-                forces: more_forces,
+                elastic: more_elastic,
+                damping: more_damping,
                 applied: more_applied,
                 totals: more_totals,
                 ..self
@@ -119,9 +121,9 @@ impl Pass for Nodes<'_> {
 
     #[inline(always)]
     fn run<V: Vector>(self) {
-        match (self.damped, self.applied.is_empty()) {
-            (false, true) => self.runs::<V, false, false>(),
-            (true, true) => self.runs::<V, true, false>(),
+        match (self.damping.is_empty(), self.applied.is_empty()) {
+            (true, true) => self.runs::<V, false, false>(),
+            (false, true) => self.runs::<V, true, false>(),
             (_, false) => self.runs::<V, true, true>(),
         }
     }
@@ -147,7 +149,9 @@ impl Nodes<'_> {
                 for group in groups.clone() {
                     let particles = numbers_mut(&mut self.particles[group]);
                     let low = self.low[group].as_flattened_mut();
-                    let forces = numbers(&self.forces[group]);
+                    let elastic = self.elastic[group].as_flattened();
+                    let none = &[][..];
+                    let damping = self.damping.get(group).map_or(none, |d| d.as_flattened());
                     let applied = if APPLIED {
                         self.applied[group].as_flattened()
                     } else {
@@ -157,7 +161,8 @@ impl Nodes<'_> {
                     for first in (0..4 * LANES).step_by(LANES) {
                         let first = first + part * V::LANES;
                         let nodes = (&mut *particles, &mut *low);
-                        lanes.step::<DAMPED, APPLIED>(nodes, (forces, applied), first, &constants);
+                        let forces = (elastic, damping, applied);
+                        lanes.step::<DAMPED, APPLIED>(nodes, forces, first, &constants);
                     }
                 }
                 lanes.damping.store(&mut sums[0], part);
@@ -165,15 +170,32 @@ impl Nodes<'_> {
                 lanes.fastest.store(&mut sums[2], part);
                 lanes.all_speeds.store(&mut sums[3], part);
             }
-            let sum = |w: &Wide| w.0.iter().map(|&x| f64::from(x)).sum::<f64>();
             *totals = Totals {
                 damping: sum(&sums[0]),
                 external: sum(&sums[1]),
-                fastest: sums[2].0.iter().fold(0.0, |a, &b| a.max(b)),
+                fastest: greatest(&sums[2]),
                 all_speeds: sum(&sums[3]) as f32,
             };
         }
     }
+}
+
+/// Sixteen numbers folded four times, the second half on the first: as many as possible at once.
+#[inline(always)]
+fn folded<T: Copy>(all: [T; LANES], by: impl Fn(T, T) -> T) -> T {
+    let eight: [T; 8] = std::array::from_fn(|i| by(all[i], all[i + 8]));
+    let four: [T; 4] = std::array::from_fn(|i| by(eight[i], eight[i + 4]));
+    by(by(four[0], four[2]), by(four[1], four[3]))
+}
+
+#[inline(always)]
+fn sum(wide: &Wide) -> f64 {
+    folded(wide.0.map(f64::from), |a, b| a + b)
+}
+
+#[inline(always)]
+fn greatest(wide: &Wide) -> f32 {
+    folded(wide.0, |a, b| if a > b { a } else { b })
 }
 
 /// Three numbers for each node, and 0.
@@ -214,15 +236,24 @@ impl<V: Vector> Lanes<V> {
     fn step<const DAMPED: bool, const APPLIED: bool>(
         &mut self,
         (particles, low): (&mut [f32; 8 * LANES], &mut [f32]),
-        (forces, applied): (&[f32; 8 * LANES], &[f32]),
+        (elastic, damping, applied): (&[f32], &[f32], &[f32]),
         first: usize,
         c: &Constants<V>,
     ) {
         let low = &mut low[first..][..V::LANES];
-        let [elastic, damping] = halves::<V>(forces, first);
+        let elastic = V::load_from(&elastic[first..]);
+        let damping = if DAMPED && !damping.is_empty() {
+            V::load_from(&damping[first..])
+        } else {
+            V::ZERO
+        };
         let [at, old] = halves::<V>(particles, first);
         let inv_mass = at.last_of_four();
-        let free = V::above(inv_mass, V::ZERO, V::ONE, V::ZERO);
+        let pinned = !inv_mass.all_above(V::ZERO);
+        let mut gravity = c.gravity;
+        if pinned {
+            gravity = V::above(inv_mass, V::ZERO, gravity, V::ZERO);
+        }
         let mut force = elastic;
         if DAMPED {
             force += damping;
@@ -239,25 +270,27 @@ impl<V: Vector> Lanes<V> {
             });
             force += push;
         }
-        let new = old + c.h * (c.gravity * free + force * inv_mass);
-        // What is not a number stays so: its product with 0 is none either.
-        let new = V::above(new.abs(), c.still, new, new * V::ZERO);
-        let mean = c.half * (old + new);
-        let by_elastic = elastic * mean;
-        let mut work = by_elastic;
-        if DAMPED {
+        let mut new = old + c.h * (gravity + force * inv_mass);
+        if !new.abs().all_above(c.still) {
+            // What is not a number stays so.
+            new = V::above(c.still, new.abs(), V::ZERO, new);
+        }
+        if DAMPED || APPLIED || pinned {
+            let mean = c.half * (old + new);
             let by_damping = damping * mean;
-            work += by_damping;
-            self.damping -= by_damping;
+            let outside = push * mean;
+            if DAMPED {
+                self.damping -= by_damping;
+            }
+            if APPLIED {
+                self.external += outside;
+            }
+            if pinned {
+                // Whatever holds a pinned node takes up the work on it.
+                let work = elastic * mean + by_damping + outside;
+                self.external -= V::above(inv_mass, V::ZERO, V::ZERO, work);
+            }
         }
-        let mut outside = V::ZERO;
-        if APPLIED {
-            outside = push * mean;
-            work += outside;
-        }
-        // Whatever holds a pinned node takes up the work on it.
-        let held = V::above(inv_mass, V::ZERO, V::ZERO, work);
-        self.external += outside - held;
         let squared = new * new * c.one;
         self.fastest = squared.sums_of_four().max(self.fastest);
         self.all_speeds += squared;

@@ -19,7 +19,7 @@ use crate::solve::forces::{Happened, LimitEvent};
 /// What springs at their limits read and write in a pass.
 pub struct Limited<'a> {
     pub limits: Span<'a>,
-    /// Whether the nodes beside regular slices have velocities in the mirror.
+    /// Whether the mirror has velocities.
     pub velocities: bool,
     pub book: Book<'a>,
     /// Time since the last commit \[s\]; none where nothing is to be written.

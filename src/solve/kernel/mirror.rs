@@ -1,4 +1,5 @@
-//! Positions, and velocities or swings, of all nodes column by column, as the nodes beside those of a regular slice are read.
+//! Positions, and velocities or swings, of all nodes column by column, as the nodes of a regular slice and those beside
+//! them are read.
 //!
 //! Reading sixteen nodes from anywhere costs sixteen loads and a transposition. Where they follow each other it is three loads,
 //! once every node has been transposed for all its neighbours.
@@ -17,17 +18,18 @@ pub struct Mirror {
 }
 
 impl Mirror {
-    /// Of so many slices, of which none looks farther than `farthest` nodes.
+    /// Of so many slices, of which none looks farther than `farthest` nodes. Each begins at a sixteenth place.
     pub fn new(slices: usize, farthest: usize) -> Self {
+        let margin = farthest.next_multiple_of(LANES);
         Self {
-            margin: farthest,
-            columns: Columns::new(LANES * slices + 2 * farthest),
+            margin,
+            columns: Columns::new(LANES * slices + 2 * margin),
         }
     }
 
     /// No places in it yet; `None` if it is too long.
-    pub fn starts(&self, slices: usize) -> Option<Starts> {
-        Starts::new(LANES * slices + 2 * self.margin)
+    pub fn starts(&self) -> Option<Starts> {
+        Starts::new(&self.columns)
     }
 
     /// Where the nodes so many behind those of a slice begin.

@@ -5,11 +5,11 @@ use super::mirror::Copied;
 use super::sell::Sell;
 use super::table::{End, Free, Rule, Table};
 use super::trial::{Nodes, Trial};
-use super::vector::{Half, LANES, Pass, Runs, Vector, Width, Writer, put, run};
+use super::vector::{LANES, Pass, Runs, Vector, Width, Writer, put_four, run};
 use super::{Kernel, SLICES};
 use crate::body::state::State;
 use crate::law::spring;
-use crate::solve::forces::{Force, Happened, LimitEvent};
+use crate::solve::forces::{Forces, Happened, Lanes, LimitEvent};
 use crate::solve::springs::{Rows, SpringTable};
 use crate::solve::threads::{self, BLOCK, Work, parts, share};
 
@@ -26,7 +26,7 @@ pub(crate) fn spring_forces(
     kernel: Kernel,
     table: &mut SpringTable<f32>,
     state: &mut State<f32>,
-    forces: &mut [Force<f32>],
+    forces: &mut Forces<f32>,
     events: &mut Vec<LimitEvent<f32>>,
     (commit, drag): (Option<f32>, f32),
 ) -> Option<Happened> {
@@ -63,7 +63,13 @@ pub(crate) fn spring_forces(
     }
     let in_order = nodes.keeps_order();
     if parts > 1 && !in_order {
-        sums.rows.resize(LANES * layout.slices(), Force::default());
+        let rows = LANES * layout.slices();
+        let [elastic, damping] = &mut sums.rows;
+        elastic.resize(rows, Default::default());
+        damping.resize(
+            if forces.damping.is_empty() { 0 } else { rows },
+            Default::default(),
+        );
     }
     let limited = limits.as_mut().map(|limits| {
         let book = if parts > 1 {
@@ -78,10 +84,14 @@ pub(crate) fn spring_forces(
         table: nodes,
         // There are places in columns for as many as there are.
         runs: layout.starts.of(&mirror.columns)?,
+        mirrored: layout.mirrored.of(&mirror.columns)?,
         out: match in_order {
-            true => Out::Rows(forces),
-            false if parts > 1 => Out::Rows(&mut sums.rows),
-            false => Out::Places(layout.out.of_mut(forces)?),
+            true => Out::Rows([&mut forces.elastic, &mut forces.damping]),
+            false if parts > 1 => Out::Rows(sums.rows.each_mut().map(|rows| &mut rows[..])),
+            false => Out::Places([
+                Some(layout.out.of_mut(&mut forces.elastic)?),
+                layout.out.of_mut(&mut forces.damping),
+            ]),
         },
         limited,
         outcomes: &mut sums.outcomes,
@@ -90,13 +100,21 @@ pub(crate) fn spring_forces(
     };
     share(springs, parts, &|springs| run(kernel, springs));
     if parts > 1 && !in_order {
-        let (rows, sums) = (&layout.rows, &sums.rows);
-        let values = &mut forces[..rows.len()];
-        share(threads::Nodes { first: 0, values }, parts, &|nodes| {
-            for (force, row) in nodes.values.iter_mut().zip(&rows[nodes.first..]) {
-                *force = sums[*row as usize];
-            }
-        });
+        for (sums, values) in sums
+            .rows
+            .iter()
+            .zip([&mut forces.elastic, &mut forces.damping])
+        {
+            let nodes = threads::Nodes {
+                first: 0,
+                values: &mut values[..],
+            };
+            share(nodes, parts, &|nodes| {
+                for (force, row) in nodes.values.iter_mut().zip(&layout.rows[nodes.first..]) {
+                    *force = sums[*row as usize];
+                }
+            });
+        }
     }
     let mut happened = Happened::default();
     for (block, outcome) in sums.outcomes.iter().enumerate() {
@@ -117,6 +135,8 @@ pub(crate) fn spring_forces(
 struct Springs<'a> {
     table: Table<'a>,
     runs: Runs<'a>,
+    /// The nodes of slices in the mirror, which is up to date where a slice is regular.
+    mirrored: Runs<'a>,
     out: Out<'a>,
     limited: Option<Limited<'a>>,
     /// Of its blocks, which begin with the `first`.
@@ -125,12 +145,12 @@ struct Springs<'a> {
     drag: f32,
 }
 
-/// Where the forces of rows go.
+/// Where the elastic and damping forces of rows go; these nowhere where there is no room for them.
 enum Out<'a> {
     /// To rows in the order of slices, from those of the first block on.
-    Rows(&'a mut [Force<f32>]),
+    Rows([&'a mut [Lanes<f32>]; 2]),
     /// To nodes all over the body, which only the whole of it may do.
-    Places(Writer<'a, Force<f32>>),
+    Places([Option<Writer<'a, Lanes<f32>>>; 2]),
 }
 
 impl Work for Springs<'_> {
@@ -150,6 +170,7 @@ impl Work for Springs<'_> {
         let part = |out, limited, outcomes, first| Self {
             table: self.table,
             runs: self.runs,
+            mirrored: self.mirrored,
             out,
             limited,
             outcomes,
@@ -167,10 +188,13 @@ impl<'a> Out<'a> {
     fn cut(self, at: usize) -> [Self; 2] {
         match self {
             Self::Rows(rows) => {
-                let (rows, rest) = rows.split_at_mut(BLOCK * at);
-                [Self::Rows(rows), Self::Rows(rest)]
+                let [[elastic, others], [damping, rest]] = rows.map(|rows| {
+                    let (rows, rest) = rows.split_at_mut(rows.len().min(BLOCK * at));
+                    [rows, rest]
+                });
+                [Self::Rows([elastic, damping]), Self::Rows([others, rest])]
             }
-            whole => [whole, Self::Rows(&mut [])],
+            whole => [whole, Self::Rows(Default::default())],
         }
     }
 
@@ -178,23 +202,34 @@ impl<'a> Out<'a> {
     #[inline(always)]
     fn put<V: Vector>(&mut self, slice: usize, part: usize, columns: [[V; 4]; 2]) {
         match self {
-            Self::Rows(rows) => {
-                let rows = &mut rows[LANES * slice..];
-                if let Some(rows) = rows.first_chunk_mut() {
-                    put(rows, part, columns);
-                } else {
-                    // The last nodes of a body, which make no slice.
-                    let mut few = [Force::default(); LANES];
-                    put(&mut few, part, columns);
-                    let lanes = rows.iter_mut().zip(&few).skip(part * V::LANES);
-                    lanes.take(V::LANES).for_each(|(row, force)| *row = *force);
+            Self::Rows([elastic, damping]) => {
+                put_rows(elastic, slice, part, columns[0]);
+                if !damping.is_empty() {
+                    put_rows(damping, slice, part, columns[1]);
                 }
             }
             Self::Places(places) => {
-                places.put(slice, part, Half::First, columns[0]);
-                places.put(slice, part, Half::Second, columns[1]);
+                for (places, columns) in places.iter_mut().zip(columns) {
+                    if let Some(places) = places {
+                        places.put(slice, part, columns);
+                    }
+                }
             }
         }
+    }
+}
+
+#[inline(always)]
+fn put_rows<V: Vector>(rows: &mut [Lanes<f32>], slice: usize, part: usize, columns: [V; 4]) {
+    let rows = &mut rows[LANES * slice..];
+    if let Some(rows) = rows.first_chunk_mut() {
+        put_four(rows, part, columns);
+    } else {
+        // The last nodes of a body, which make no slice.
+        let mut few = [Lanes::default(); LANES];
+        put_four(&mut few, part, columns);
+        let lanes = rows.iter_mut().zip(&few).skip(part * V::LANES);
+        lanes.take(V::LANES).for_each(|(row, force)| *row = *force);
     }
 }
 
@@ -218,6 +253,7 @@ impl Springs<'_> {
         let Self {
             table,
             runs,
+            mirrored,
             mut out,
             mut limited,
             outcomes,
@@ -230,8 +266,15 @@ impl Springs<'_> {
             }
             let slices = SLICES * (first + b)..table.slices().min(SLICES * (first + b + 1));
             for slice in slices {
+                let own = mirrored.slot(slice).filter(|_| table.is_regular(slice));
                 for part in 0..LANES / V::LANES {
-                    let nodes = Nodes::of::<DAMPED>(&table, slice, part, drag);
+                    let mut nodes = match own {
+                        Some(own) => Nodes::of::<DAMPED>(&own, part),
+                        None => Nodes::of::<DAMPED>(&table.own(slice), part),
+                    };
+                    if drag > 0.0 {
+                        nodes = nodes.dragged(&table.own(slice), part, drag);
+                    }
                     let place = (slice, part);
                     let sums = match &mut limited {
                         Some(limited) if LIMITED => {

@@ -102,7 +102,7 @@ impl Range {
 }
 
 impl Limits {
-    /// Whether any of the regular slices is not what it was at first. Only then are the velocities of nodes beside them asked for.
+    /// Whether any of the regular slices is not what it was at first. Only then are velocities asked of the mirror.
     pub fn any_touched(&self, regular: &[bool]) -> bool {
         let mut slices = self.untouched.iter().zip(regular);
         slices.any(|(untouched, regular)| *regular && !*untouched)

@@ -88,7 +88,7 @@ impl NodeRates<'_> {
                     self.of_nodes::<V, _, DAMPED>((slice, part), slots)
                 };
                 let rates = [stiff, damp, V::ZERO, V::ZERO];
-                self.out.put(slice, part, Half::First, rates);
+                self.out.put(slice, part, rates);
             }
         }
     }

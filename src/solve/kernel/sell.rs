@@ -24,7 +24,7 @@ use super::regular;
 use super::telling::Telling;
 use super::vector::{LANES, Places, Starts, Wide};
 use crate::body::state::State;
-use crate::solve::forces::Force;
+use crate::solve::forces::Lanes;
 use crate::solve::springs::{Limit, Link};
 use std::collections::HashMap;
 
@@ -51,8 +51,8 @@ pub struct Sell {
 pub(super) struct Sums {
     /// Of each block of slices.
     pub outcomes: Vec<Outcome>,
-    /// Forces by rows, where those are not in the order of nodes. Empty before threads have shared the body.
-    pub rows: Vec<Force<f32>>,
+    /// Elastic and damping forces by rows, where those are not in the order of nodes. Empty before threads have shared the body.
+    pub rows: [Vec<Lanes<f32>>; 2],
     /// Empty before threads have shared the body.
     pub log: Log,
 }
@@ -70,6 +70,8 @@ pub struct Layout {
     pub(super) far: Places,
     /// Per slot of a regular slice where those begin in the mirror. Empty where no slice is regular.
     pub(super) starts: Starts,
+    /// Per slice where its own nodes begin in the mirror. Empty where no slice is regular.
+    pub(super) mirrored: Starts,
     /// Per slice whether it is regular. Empty where none is.
     pub(super) regular: Vec<bool>,
     /// Per slot which constants.
@@ -147,7 +149,8 @@ impl Sell {
             let all = steps.iter().flatten().flatten();
             let farthest = all.map(|s| s.unsigned_abs()).max().unwrap_or(0);
             sell.mirror = Mirror::new(steps.len(), farthest as usize);
-            sell.layout.starts = sell.mirror.starts(steps.len())?;
+            sell.layout.starts = sell.mirror.starts()?;
+            sell.layout.mirrored = sell.mirror.starts()?;
         }
         for (i, slice) in order.chunks(LANES).enumerate() {
             let steps = steps.as_ref().map(|s| s[i].as_deref());
@@ -163,12 +166,18 @@ impl Sell {
         let wide = |table: &[Wide]| size_of_val(table);
         let l = &self.layout;
         let constants = wide(&l.stiffness) + wide(&l.damping) + wide(&l.rest);
-        let mut hot = size_of_val(&l.which[..]) + l.starts.bytes() + constants;
+        let mut hot = size_of_val(&l.which[..]) + l.starts.bytes() + l.mirrored.bytes() + constants;
         let mut rare = l.own.bytes() + l.out.bytes() + size_of_val(&l.rows[..]);
         let regular = !l.regular.is_empty();
         *(if regular { &mut rare } else { &mut hot }) += l.far.bytes();
         rare += self.mirror.columns.bytes() + self.sums.log.bytes();
-        rare += size_of_val(&self.sums.outcomes[..]) + size_of_val(&self.sums.rows[..]);
+        rare += size_of_val(&self.sums.outcomes[..])
+            + self
+                .sums
+                .rows
+                .iter()
+                .map(|r| size_of_val(&r[..]))
+                .sum::<usize>();
         if let Some(limits) = &self.limits {
             let by_slot = wide(&limits.rest) + size_of_val(&limits.ranges[..]);
             *(if regular { &mut rare } else { &mut hot }) += by_slot;
@@ -193,6 +202,7 @@ impl Layout {
             out: Places::new(nodes + 1)?,
             far: Places::new(nodes)?,
             starts: Starts::default(),
+            mirrored: Starts::default(),
             regular: Vec::new(),
             which: Vec::new(),
             stiffness: Vec::new(),
@@ -258,6 +268,7 @@ impl Builder<'_> {
         let layout = &mut sell.layout;
         layout.firsts.push(layout.which.len() as u32);
         if let Some(steps) = steps {
+            layout.mirrored.push(sell.mirror.start(slice, 0));
             layout.regular.push(steps.is_some());
         }
         if let Some(limits) = &mut sell.limits {

@@ -4,6 +4,7 @@ mod regular;
 
 use super::vector::LANES;
 use super::*;
+use crate::body::Material;
 use crate::body::net::Spring;
 use crate::body::state::State;
 use crate::solve::springs::Rows;
@@ -33,6 +34,14 @@ impl Numbers {
         self.next() < p
     }
 }
+
+/// A net whose springs have neither damping nor limits.
+const SWINGING: Kind = Kind {
+    nodes: 37,
+    springs: 100,
+    damped: false,
+    limited: false,
+};
 
 #[derive(Clone, Copy, Debug)]
 struct Kind {
@@ -124,7 +133,7 @@ fn outcome(solver: &Solver<f32>, state: &State<f32>) -> Outcome {
         .particles
         .iter()
         .flat_map(|p| p.x.into_iter().chain(p.v));
-    let forces = solver.forces[..state.particles.len()].iter();
+    let forces = (0..state.particles.len()).map(|node| solver.forces.at(node));
     let three = |lanes: [f32; 4]| lanes.into_iter().take(3);
     let forces = forces.flat_map(|f| three(f.elastic).chain(three(f.damping)));
     let springs = state.rest.iter().chain(&state.flow).copied();
@@ -264,6 +273,39 @@ fn kernels_may_take_turns() {
     assert!(outcome(&solver, &state) == reference);
 }
 
+/// Room for damping forces comes and goes with them, and what stood there does not come back.
+#[test]
+fn drag_may_come_and_go() {
+    let material = Material::elastic(1e5, 100.0);
+    let nets = [
+        net(SWINGING, 7),
+        regular::regular_net([6, 4, 3], false, material, |x| 3.0 * x[1]),
+    ];
+    for (springs, state) in nets {
+        let run = |kernel: Option<Kernel>| {
+            let mut state = state.clone();
+            let mut solver = Solver::new(&springs, &state);
+            match kernel {
+                Some(kernel) => solver.kernel = kernel,
+                None => solver.table.rows = Rows::Never,
+            }
+            for i in 0..30 {
+                solver.external.drag = if i / 3 % 2 == 1 { 0.4 } else { 0.0 };
+                solver.substep(&mut state, Integrator::SymplecticEuler, 1e-3);
+                assert_eq!(solver.forces.damping.is_empty(), i / 3 % 2 == 0);
+            }
+            (outcome(&solver, &state), solver.work.damping)
+        };
+        let (reference, work) = run(None);
+        assert!(work > 0.0);
+        for kernel in KERNELS {
+            let (outcome, other) = run(Some(kernel));
+            assert!(outcome == reference, "{}", kernel.name());
+            assert!((other - work).abs() < 1e-5 * work, "{other} {work}");
+        }
+    }
+}
+
 #[test]
 fn the_random_nets_yield_and_break() {
     let kind = Kind {
@@ -280,13 +322,7 @@ fn the_random_nets_yield_and_break() {
 
 #[test]
 fn a_node_force_is_applied_by_every_kernel() {
-    let kind = Kind {
-        nodes: 37,
-        springs: 100,
-        damped: false,
-        limited: false,
-    };
-    let (springs, state) = net(kind, 5);
+    let (springs, state) = net(SWINGING, 5);
     let run = |kernel: Option<Kernel>| {
         let mut state = state.clone();
         let mut solver = Solver::new(&springs, &state);
@@ -349,7 +385,7 @@ fn a_mesh_without_order_is_visited_along_itself() {
 fn tables_too_short_are_refused() {
     let mut places = vector::Places::new(3).unwrap();
     places.push([2; LANES]);
-    let rows = [crate::solve::forces::Force::<f32>::default(); 3];
+    let rows = [[0.0_f32; 4]; 3];
     assert!(places.of(&rows).is_some());
     assert!(places.of(&rows[..2]).is_none());
     assert!(vector::Places::new(usize::MAX / 32).is_none());

@@ -1,8 +1,8 @@
 //! Springs side by side, one of each row: where they reach, and what they do to the nodes of the rows.
 
 use super::sell::LEAST_SQUARE;
-use super::table::{End, Table};
-use super::vector::{Half, Vector};
+use super::table::End;
+use super::vector::Vector;
 use crate::law::spring;
 
 /// The nodes of a part of a slice, and what their springs sum to.
@@ -75,25 +75,28 @@ impl<V: Vector> Trial<V> {
 }
 
 impl<V: Vector> Nodes<V> {
-    /// Those of a part of a slice, with the force of drag \[N·s/m\] on them.
+    /// Those that are a part of an end.
     #[inline(always)]
-    pub fn of<const DAMPED: bool>(table: &Table, slice: usize, part: usize, drag: f32) -> Self {
-        let own = table.own(slice);
-        let [x, y, z, _] = own.columns(part, Half::First);
-        let mut nodes = Self {
-            at: [x, y, z],
-            velocity: [V::ZERO; 3],
+    pub fn of<const DAMPED: bool>(own: &impl End<V>, part: usize) -> Self {
+        Self {
+            at: own.place(part),
+            velocity: if DAMPED {
+                own.velocity(part)
+            } else {
+                [V::ZERO; 3]
+            },
             elastic: [V::ZERO; 3],
             damping: [V::ZERO; 3],
-        };
-        if DAMPED || drag > 0.0 {
-            nodes.velocity = own.velocity(part);
         }
-        if drag > 0.0 {
-            let drag = V::of(drag.into());
-            nodes.damping = nodes.velocity.map(|v| -(drag * v));
-        }
-        nodes
+    }
+
+    /// The same with the force of drag \[N·s/m\] at their velocities.
+    #[inline(always)]
+    pub fn dragged(mut self, own: &impl End<V>, part: usize, drag: f32) -> Self {
+        self.velocity = own.velocity(part);
+        let drag = V::of(drag.into());
+        self.damping = self.velocity.map(|v| -(drag * v));
+        self
     }
 
     /// Adds springs of this tension \[N\].

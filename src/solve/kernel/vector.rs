@@ -1,4 +1,4 @@
-//! Vectors of `f32` of the width the processor has, and the fetching of 32-byte rows into them. **The only unsafe code of the
+//! Vectors of `f32` of the width the processor has, and the fetching of rows of numbers into them. **The only unsafe code of the
 //! crate.**
 //!
 //! What is computed is written once, as a [`Pass`] generic over [`Vector`], and compiled for every width; [`run`] picks one at
@@ -20,7 +20,7 @@ use super::Kernel;
 use crate::math::{Pack, Packed};
 
 pub use crate::math::{LANES, Wide};
-pub use rows::{Half, Places, Reader, Slot, Writer, columns, numbers, numbers_mut, put, put_four};
+pub use rows::{Half, Places, Reader, Slot, Writer, columns, numbers, numbers_mut, put_four};
 pub use runs::{Columns, Run, Runs, Span, Starts, Three};
 
 /// One, four, eight or sixteen `f32`.
@@ -73,18 +73,6 @@ pub trait Vector: Packed<f32> {
         unsafe {
             let first = Self::columns(|l| rows.add(8 * l));
             [first, Self::columns(|l| rows.add(8 * l + 4))]
-        }
-    }
-    /// Writes columns as such rows.
-    ///
-    /// # Safety
-    /// The pointer must be good for writing them.
-    #[inline(always)]
-    unsafe fn put_eight([first, second]: [[Self; 4]; 2], rows: *mut f32) {
-        // SAFETY: the caller's.
-        unsafe {
-            Self::put_columns(first, |l| rows.add(8 * l));
-            Self::put_columns(second, |l| rows.add(8 * l + 4));
         }
     }
 }

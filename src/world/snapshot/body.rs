@@ -8,7 +8,7 @@ use crate::contact::target::Surface;
 use crate::math::{DVec3, Real, Vector};
 use crate::solve::external::External;
 use crate::solve::fem::{Model, Part};
-use crate::solve::forces::Force;
+use crate::solve::forces::Forces;
 use crate::solve::work::Work;
 use crate::solve::{Integrator, Solver};
 use crate::world::sleep::Sleep;
@@ -25,7 +25,7 @@ struct Saved {
     work: Work,
     time: f64,
     last_substep: Option<f64>,
-    forces: Vec<Force<Real>>,
+    forces: Forces<Real>,
     applied: Vec<[Real; 3]>,
     speed_squared: Real,
     surface: Surface,
@@ -138,7 +138,7 @@ impl Saved {
                 "corners of faces",
             ),
             (skin, "corners of its skin"),
-            (self.forces.len() == nodes + 1, "forces"),
+            (self.forces.are_of(nodes), "forces"),
             (
                 none_or(self.applied.len(), nodes)
                     && none_or(self.node_forces.len(), nodes)

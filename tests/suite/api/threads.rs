@@ -120,6 +120,20 @@ fn a_mesh_without_order_that_flows_and_breaks() {
 }
 
 #[test]
+fn a_mesh_without_damping() {
+    check(3, || {
+        let (world, mut deformables) = world(true);
+        let mesh = tet_box_of_cells(Vector::ONE, [14; 3], TetSplit::Six).unwrap();
+        let block = DeformableBuilder::new(shuffled(&mesh.springs()))
+            .material(Material::elastic(2.0e6, 300.0))
+            .translation(Vector::new(0.0, 0.51, 0.0))
+            .linvel(Vector::new(2.0, -5.0, 0.0));
+        deformables.insert(block).unwrap();
+        (world, deformables)
+    });
+}
+
+#[test]
 fn a_cloth_in_the_wind() {
     for integrator in Integrator::ALL {
         check(2, || {
@@ -141,14 +155,16 @@ fn a_cloth_in_the_wind() {
 
 #[test]
 fn finite_elements() {
-    for quadratic in [false, true] {
+    let damped = [(0.3, 1e-4), (0.3, 0.0), (0.0, 1e-4), (0.0, 0.0)];
+    let linear = damped.map(|damping| (false, damping));
+    for (quadratic, (alpha, beta)) in linear.into_iter().chain([(true, damped[0])]) {
         check(2, || {
             let (world, mut deformables) = world(true);
             let mesh = tet_box_of_cells(Vector::splat(0.6), [9; 3], TetSplit::Six).unwrap();
             let mesh = if quadratic { mesh.quadratic() } else { mesh };
             let rubber = Solid::new(2.0e5, 0.4, 1000.0)
                 .law(SolidLaw::NeoHookean)
-                .damping(0.3, 1e-4);
+                .damping(alpha, beta);
             let block = DeformableBuilder::tets(mesh, rubber)
                 .translation(Vector::new(0.0, 0.301, 0.0))
                 .linvel(Vector::new(0.3, -3.0, 0.0));

@@ -1,9 +1,11 @@
 //! Every width of vectors against functions of nodes, bit for bit, on elements stretched, turned inside out and flat.
 
+use super::gather::Gather;
 use super::*;
 use crate::body::State;
+use crate::solve::Solver;
+use crate::solve::forces::{Force, Forces};
 use crate::solve::kernel::Kernel;
-use crate::solve::{Solver, forces::Force};
 use std::sync::Arc;
 
 /// Nodes thrown about by up to 0.6 cells, and some elements made flat.
@@ -52,16 +54,45 @@ fn every_kernel_gives_the_bits_of_the_functions() {
                 for kernel in [Kernel::Portable, Kernel::Avx2, Kernel::Avx512] {
                     solver.kernel = kernel;
                     solver.evaluate(&mut state.clone(), None, None, 0.0);
-                    let found = &solver.forces[..mesh.nodes.len()];
+                    let nodes = 0..mesh.nodes.len();
+                    let found: Vec<_> = nodes.map(|node| solver.forces.at(node)).collect();
                     assert!(found.iter().any(|f| f.elastic[0].abs() > 1.0));
                     assert_eq!(
-                        bits(found),
+                        bits(&found),
                         bits(&by_functions),
                         "{law:?} {}",
                         kernel.name()
                     );
                 }
             }
+        }
+    }
+}
+
+/// Forces that are kept by elements and then gathered are those of the pass over the whole body, also where a body has more
+/// nodes than its elements.
+#[test]
+fn gathered_forces_are_those_of_the_whole() {
+    for mesh in distorted() {
+        for beta in [0.0, 1e-3] {
+            let solid = Solid::new(1.0e6, 0.3, 1000.0).damping(0.0, beta);
+            let model = Model::<f32>::new(&mesh, solid).unwrap();
+            let mut state = thrown(&mesh);
+            state.particles.extend([state.particles[0]; 3]);
+            let new = || {
+                let mut forces = Forces::new(state.particles.len());
+                forces.set_damped(beta > 0.0);
+                forces
+            };
+            let (mut whole, mut gathered) = (new(), new());
+            kernel::add_forces(Kernel::Auto, &model, &state.particles, &mut whole);
+            let mut gather = Gather::new(model.node_count(), &model.nodes());
+            gather.add_forces((Kernel::Auto, 4), &model, &state.particles, &mut gathered);
+            let bits_of = |forces: &Forces<f32>| {
+                let nodes = 0..state.particles.len();
+                bits(&nodes.map(|node| forces.at(node)).collect::<Vec<_>>())
+            };
+            assert_eq!(bits_of(&gathered), bits_of(&whole));
         }
     }
 }

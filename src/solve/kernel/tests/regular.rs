@@ -2,7 +2,7 @@
 
 use super::super::ranges::CALM;
 use super::*;
-use crate::body::{Blueprint, Material};
+use crate::body::Blueprint;
 use crate::shape;
 
 /// Ranges are of parts as wide as the kernel that found them. Only where there is AVX-512 do the two kernels differ.
@@ -42,7 +42,7 @@ fn ranges_found_by_one_width_are_not_believed_by_another() {
 }
 
 /// A lattice or a sheet that yields and breaks, struck where `struck` says.
-fn regular_net(
+pub(super) fn regular_net(
     cells: [u32; 3],
     sheet: bool,
     material: Material,
@@ -83,10 +83,11 @@ proptest! {
         damped in any::<bool>(),
         limited in any::<bool>(),
         tough in any::<bool>(),
+        drag in prop::sample::select(vec![0.0_f32, 0.3]),
         seed in any::<u64>(),
         integrator in prop::sample::select(Integrator::ALL.to_vec()),
     ) {
-            let mut material = Material::elastic(1e5, 100.0);
+        let mut material = Material::elastic(1e5, 100.0);
         if damped {
             material = material.viscosity(20.0);
         }
@@ -102,9 +103,9 @@ proptest! {
         };
         let net = regular_net(cells, sheet, material, struck);
         // Springs one by one; speeds below any that matter are cut off by the pass over nodes of every kernel.
-        let (reference, _) = run_net(&net, Some(Kernel::Portable), integrator, 0.0);
+        let (reference, _) = run_net(&net, Some(Kernel::Portable), integrator, drag);
         for kernel in [Kernel::Avx2, Kernel::Avx512] {
-            let (outcome, _) = run_net(&net, Some(kernel), integrator, 0.0);
+            let (outcome, _) = run_net(&net, Some(kernel), integrator, drag);
             prop_assert!(outcome == reference, "{}: {:?}", kernel.name(), outcome.first_difference(&reference));
         }
     }

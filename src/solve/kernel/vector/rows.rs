@@ -1,28 +1,45 @@
-//! Rows of 32 bytes, fetched and written column by column at places that are known to be inside.
+//! Rows of eight or four numbers, fetched and written column by column at places that are known to be inside.
 
 use super::{LANES, Vector};
 use crate::body::state::Particle;
-use crate::solve::forces::Force;
+use crate::solve::forces::Lanes;
 use crate::solve::stable::Rates;
 use std::ops::Range;
 
-/// Eight numbers in 32 aligned bytes, read as two rows of four.
+/// A row of `f32` and nothing else.
 ///
 /// # Safety
-/// The type must be 32 bytes of initialised `f32`, aligned to 32 bytes, and any `f32` must be allowed in each place.
-pub unsafe trait Row: Copy {}
+/// The type must be 32 >> [`Self::HALVED`] bytes of initialised `f32`, and any `f32` must be allowed in each place.
+pub unsafe trait Row: Copy {
+    /// 0 for eight numbers, 1 for four.
+    const HALVED: u32;
+}
 
-/// Checked by the compiler: size and alignment. The types are `repr(C)` and have eight `f32` and nothing else.
-macro_rules! row {
+/// Eight numbers, read as two rows of four.
+///
+/// # Safety
+/// As for a [`Row`] that is not halved.
+pub unsafe trait Whole: Row {}
+
+/// Checked by the compiler: the size. The types are `repr(C)` and have eight `f32` and nothing else.
+macro_rules! whole {
     ($t:ty) => {
         // SAFETY: as said above.
-        unsafe impl Row for $t {}
-        const _: () = assert!(size_of::<$t>() == 32 && align_of::<$t>() == 32);
+        unsafe impl Row for $t {
+            const HALVED: u32 = 0;
+        }
+        // SAFETY: as said above.
+        unsafe impl Whole for $t {}
+        const _: () = assert!(size_of::<$t>() == 32);
     };
 }
-row!(Particle<f32>);
-row!(Force<f32>);
-row!(Rates<f32>);
+whole!(Particle<f32>);
+whole!(Rates<f32>);
+
+// SAFETY: four `f32`.
+unsafe impl Row for Lanes<f32> {
+    const HALVED: u32 = 1;
+}
 
 /// Which four numbers of a row.
 #[derive(Clone, Copy)]
@@ -33,7 +50,7 @@ pub enum Half {
     Second = 4,
 }
 
-/// Indices of rows, [`LANES`] side by side, as offsets in bytes.
+/// Indices of rows, [`LANES`] side by side, as offsets in bytes of rows of eight numbers.
 #[derive(Clone, Debug, Default)]
 pub struct Places {
     offsets: Vec<Offsets>,
@@ -45,7 +62,7 @@ pub struct Places {
 #[repr(C, align(64))]
 struct Offsets([u32; LANES]);
 
-/// Bytes of a row.
+/// Bytes of a row of eight numbers.
 const BYTES: u32 = 32;
 
 impl Places {
@@ -130,14 +147,14 @@ pub struct Slot<'a, R> {
     rows: &'a [R],
 }
 
-impl<R: Row> Slot<'_, R> {
+impl<R: Whole> Slot<'_, R> {
     /// Half of the rows of a part, column by column.
     #[inline(always)]
     pub fn columns<V: Vector>(&self, part: usize, half: Half) -> [V; 4] {
         let base = self.rows.as_ptr().cast::<u8>();
         let offsets = &self.offsets.0[part * V::LANES..][..V::LANES];
         // SAFETY: only `Places::push` and `set` write offsets, each that of one of `Places::rows` rows, and the reader
-        // was made for at least so many. So the row is inside `rows`; half of it is four numbers (`Row`).
+        // was made for at least so many. So the row is inside `rows`; half of it is four numbers (`Whole`).
         unsafe {
             V::columns(|l| {
                 base.add(offsets[l] as usize)
@@ -155,17 +172,16 @@ pub struct Writer<'a, R> {
 }
 
 impl<R: Row> Writer<'_, R> {
-    /// Writes half of the rows of a part of a slot. Where two lanes have one row the last counts.
+    /// Writes the first four numbers of the rows of a part of a slot. Where two lanes have one row the last counts.
     #[inline(always)]
-    pub fn put<V: Vector>(&mut self, slot: usize, part: usize, half: Half, columns: [V; 4]) {
+    pub fn put<V: Vector>(&mut self, slot: usize, part: usize, columns: [V; 4]) {
         let base = self.rows.as_mut_ptr().cast::<u8>();
         let offsets = &self.offsets[slot].0[part * V::LANES..][..V::LANES];
-        // SAFETY: as in `Slot::columns`; the rows are borrowed for writing, and may hold any numbers (`Row`).
+        // SAFETY: as in `Slot::columns`, with rows of half as many bytes where they are halved (`Row`); they are borrowed for
+        // writing, and may hold any numbers.
         unsafe {
             V::put_columns(columns, |l| {
-                base.add(offsets[l] as usize)
-                    .cast::<f32>()
-                    .add(half as usize)
+                base.add((offsets[l] >> R::HALVED) as usize).cast::<f32>()
             });
         }
     }
@@ -173,31 +189,23 @@ impl<R: Row> Writer<'_, R> {
 
 /// Both halves of a part of sixteen rows that lie together, column by column.
 #[inline(always)]
-pub fn columns<V: Vector, R: Row>(rows: &[R; LANES], part: usize) -> [[V; 4]; 2] {
+pub fn columns<V: Vector, R: Whole>(rows: &[R; LANES], part: usize) -> [[V; 4]; 2] {
     let rows = &rows[part * V::LANES..][..V::LANES];
-    // SAFETY: there is a row for each lane, and each is eight numbers (`Row`).
+    // SAFETY: there is a row for each lane, and each is eight numbers (`Whole`).
     unsafe { V::columns_of_eight(rows.as_ptr().cast()) }
-}
-
-/// Writes both halves of a part of sixteen rows that lie together.
-#[inline(always)]
-pub fn put<V: Vector, R: Row>(rows: &mut [R; LANES], part: usize, columns: [[V; 4]; 2]) {
-    let rows = &mut rows[part * V::LANES..][..V::LANES];
-    // SAFETY: as in `columns`, borrowed for writing.
-    unsafe { V::put_eight(columns, rows.as_mut_ptr().cast()) }
 }
 
 /// The numbers of sixteen rows that lie together.
 #[inline(always)]
-pub fn numbers<R: Row>(rows: &[R; LANES]) -> &[f32; 8 * LANES] {
-    // SAFETY: each row is eight numbers, aligned to more than one of them (`Row`).
+pub fn numbers<R: Whole>(rows: &[R; LANES]) -> &[f32; 8 * LANES] {
+    // SAFETY: each row is eight numbers (`Whole`).
     unsafe { &*std::ptr::from_ref(rows).cast() }
 }
 
 /// The same to write to.
 #[inline(always)]
-pub fn numbers_mut<R: Row>(rows: &mut [R; LANES]) -> &mut [f32; 8 * LANES] {
-    // SAFETY: as in `numbers`, borrowed for writing; any numbers are allowed (`Row`).
+pub fn numbers_mut<R: Whole>(rows: &mut [R; LANES]) -> &mut [f32; 8 * LANES] {
+    // SAFETY: as in `numbers`, borrowed for writing; any numbers are allowed in them.
     unsafe { &mut *std::ptr::from_mut(rows).cast() }
 }
 

@@ -1,13 +1,14 @@
 //! Numbers of nodes column by column, read sixteen at a time from places that are known to be inside.
 
-use super::{LANES, Vector};
+use super::{LANES, Vector, Wide};
 use std::ops::Range;
 
 /// Six columns of as many numbers: places, and velocities or swings.
 #[derive(Clone, Debug, Default)]
 pub struct Columns {
-    numbers: Vec<f32>,
-    /// Of a column.
+    /// In lines of the cache: what begins at a sixteenth place is read from one of them.
+    numbers: Vec<Wide>,
+    /// Of a column, a multiple of sixteen.
     length: usize,
 }
 
@@ -21,11 +22,12 @@ pub enum Three {
 }
 
 impl Columns {
-    /// Zeros.
+    /// Zeros, at least so many in a column.
     pub fn new(length: usize) -> Self {
+        let lines = length.div_ceil(LANES);
         Self {
-            numbers: vec![0.0; 6 * length],
-            length,
+            numbers: vec![Wide([0.0; LANES]); 6 * lines],
+            length: LANES * lines,
         }
     }
 
@@ -36,12 +38,19 @@ impl Columns {
 
     /// All of it, to be written.
     pub fn span(&mut self) -> Span<'_> {
-        let mut columns = self.numbers.chunks_exact_mut(self.length.max(1));
+        let lines = (self.length / LANES).max(1);
+        let mut columns = self.numbers.chunks_exact_mut(lines);
         Span {
-            columns: std::array::from_fn(|_| columns.next().unwrap_or_default()),
+            columns: std::array::from_fn(|_| numbers_of(columns.next().unwrap_or_default())),
             first: 0,
         }
     }
+}
+
+/// The numbers of lines, one behind the other.
+fn numbers_of(lines: &mut [Wide]) -> &mut [f32] {
+    // SAFETY: a line is sixteen numbers without padding (`repr(C)`), all of them borrowed for writing.
+    unsafe { std::slice::from_raw_parts_mut(lines.as_mut_ptr().cast(), LANES * lines.len()) }
 }
 
 /// Columns to be written, from a place on.
@@ -87,11 +96,11 @@ pub struct Starts {
 }
 
 impl Starts {
-    /// Places in columns of a length; `None` if it is too long for numbers of 32 bits.
-    pub fn new(length: usize) -> Option<Self> {
-        (length <= u32::MAX as usize).then_some(Self {
+    /// No places in such columns yet; `None` if they are too long for numbers of 32 bits.
+    pub fn new(columns: &Columns) -> Option<Self> {
+        (columns.length <= u32::MAX as usize).then_some(Self {
             starts: Vec::new(),
-            length,
+            length: columns.length,
         })
     }
 
@@ -123,6 +132,17 @@ pub struct Runs<'a> {
 }
 
 impl<'a> Runs<'a> {
+    /// What one slot has, if there is one.
+    #[inline(always)]
+    pub fn slot(&self, slot: usize) -> Option<Run<'a>> {
+        let columns = self.columns;
+        let start = self.starts.get(slot)?;
+        Some(Run {
+            start: *start,
+            columns,
+        })
+    }
+
     /// What some slots have.
     #[inline(always)]
     pub fn slots(&self, slots: Range<usize>) -> impl Iterator<Item = Run<'a>> + use<'a> {
@@ -164,7 +184,7 @@ impl Run<'_> {
     unsafe fn load<V: Vector>(&self, from: usize) -> V {
         // SAFETY: the caller's.
         unsafe {
-            let from = self.columns.numbers.as_ptr().add(from);
+            let from = self.columns.numbers.as_ptr().cast::<f32>().add(from);
             V::load_from(std::slice::from_raw_parts(from, V::LANES))
         }
     }

@@ -251,51 +251,6 @@ impl Vector for F16 {
             ]
         }
     }
-
-    #[inline(always)]
-    unsafe fn put_eight([[x, y, z, w], [s, t, u, v]]: [[Self; 4]; 2], rows: *mut f32) {
-        let (first, last) = (eighths(0), eighths(2));
-        // SAFETY: as in `columns_of_eight`.
-        unsafe {
-            let [a, b, c, d] = four_by_four([x.0, y.0, z.0, w.0]);
-            let [e, f, g, h] = four_by_four([s.0, t.0, u.0, v.0]);
-            _mm512_storeu_ps(rows, _mm512_permutex2var_ps(a, first, e));
-            _mm512_storeu_ps(rows.add(16), _mm512_permutex2var_ps(a, last, e));
-            _mm512_storeu_ps(rows.add(32), _mm512_permutex2var_ps(b, first, f));
-            _mm512_storeu_ps(rows.add(48), _mm512_permutex2var_ps(b, last, f));
-            _mm512_storeu_ps(rows.add(64), _mm512_permutex2var_ps(c, first, g));
-            _mm512_storeu_ps(rows.add(80), _mm512_permutex2var_ps(c, last, g));
-            _mm512_storeu_ps(rows.add(96), _mm512_permutex2var_ps(d, first, h));
-            _mm512_storeu_ps(rows.add(112), _mm512_permutex2var_ps(d, last, h));
-        }
-    }
-}
-
-/// Every fourth of 32 numbers from one on, then every fourth from the next on.
-#[inline(always)]
-fn eighths(from: i32) -> __m512i {
-    let k = from;
-    // SAFETY: see the top.
-    unsafe {
-        _mm512_setr_epi32(
-            k,
-            k + 4,
-            k + 8,
-            k + 12,
-            k + 16,
-            k + 20,
-            k + 24,
-            k + 28,
-            k + 1,
-            k + 5,
-            k + 9,
-            k + 13,
-            k + 17,
-            k + 21,
-            k + 25,
-            k + 29,
-        )
-    }
 }
 
 /// Every eighth of 32 numbers from one on, then every eighth from each of the next three on.
