@@ -2,6 +2,7 @@
 //! that follow. And contact of deformables with each other.
 
 pub mod candidates;
+pub mod closest;
 pub mod distance;
 pub mod encounter;
 pub mod feature;

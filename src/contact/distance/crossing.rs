@@ -4,6 +4,7 @@
 //! and jumps. The crossing stays where it is, and has a normal perpendicular to both edges.
 
 use super::{Core, Solid, primitive};
+use crate::contact::closest::between_segments;
 use crate::math::DVec3;
 
 /// A crossing of a segment and an edge of a solid.
@@ -97,6 +98,32 @@ impl Solid {
             | Core::Compound(_)
             | Core::Voxels(_) => {}
         }
+    }
+
+    /// How far the segment `a`–`b` \[m\] is from the straight edges of a convex solid, or less, up to `within` m: no
+    /// number where it has other edges.
+    pub fn edges_from(&self, a: DVec3, b: DVec3, within: f64) -> f64 {
+        let margin = DVec3::splat(within + self.radius);
+        let (lo, hi) = (a.min(b) - margin, a.max(b) + margin);
+        let mut least = within + self.radius;
+        let mut try_out = |ends| least = between_segments([a, b], ends).0.min(least);
+        match &self.core {
+            Core::Point | Core::Segment(..) | Core::HalfSpace(_) => {}
+            Core::Cuboid(half) => {
+                let near = cuboid_edges_near(*half, lo, hi);
+                let near = (0..12).filter(|i| near >> i & 1 == 1);
+                near.for_each(|i| try_out(cuboid_edge(i, *half).0));
+            }
+            Core::Hull(hull) => hull.for_each_edge(&mut |[p, q], _| {
+                if !(p.max(q).cmplt(lo) | p.min(q).cmpgt(hi)).any() {
+                    try_out([p, q]);
+                }
+            }),
+            Core::Cylinder(..) | Core::Cone(..) | Core::Compound(_) | Core::Voxels(_) => {
+                return f64::NEG_INFINITY;
+            }
+        }
+        least - self.radius
     }
 
     /// Whether it has rims. A segment crosses one where it is as far from the axis, which may be away from where it comes

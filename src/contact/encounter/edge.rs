@@ -3,7 +3,6 @@
 //! Only edges that stand out count, and only where both are crossed inside and the normal is one that both can have: on
 //! flat and hollow parts the nodes meet faces, and at the ends of edges nodes meet edges.
 
-use super::closest::{between_segments, segments_apart};
 use super::outline::NONE;
 use super::posed::Posed;
 use crate::math::DVec3;
@@ -28,8 +27,13 @@ pub struct Crossing {
     pub gap: f64,
 }
 
-/// The directions from an edge into its faces, square to it; zero for none.
-pub fn flanks(body: &Posed, edge: u32) -> [DVec3; 2] {
+/// The directions from an edge into its faces, square to it, zero for none; `None` where it does not stand out.
+pub fn outstanding(body: &Posed, edge: u32) -> Option<[DVec3; 2]> {
+    let flanks = flanks(body, edge);
+    stands_out(body, edge, &flanks).then_some(flanks)
+}
+
+fn flanks(body: &Posed, edge: u32) -> [DVec3; 2] {
     let e = &body.outline.edges[edge as usize];
     let [a, b] = body.ends(edge);
     let along = (b - a).normalize_or_zero();
@@ -45,7 +49,7 @@ pub fn flanks(body: &Posed, edge: u32) -> [DVec3; 2] {
 }
 
 /// Whether an edge stands out: it has fewer than two faces, or they bend. A hollow edge of a solid does not.
-pub fn stands_out(body: &Posed, edge: u32, flanks: &[DVec3; 2]) -> bool {
+fn stands_out(body: &Posed, edge: u32, flanks: &[DVec3; 2]) -> bool {
     if flanks.contains(&DVec3::ZERO) {
         return true;
     }
@@ -61,28 +65,19 @@ fn can_push(flanks: &[DVec3; 2], outwards: DVec3) -> bool {
     flanks.iter().all(|f| f.dot(outwards) <= LEAN)
 }
 
-/// How far apart edge `edges[0]` of the first body and `edges[1]` of the second are at least \[m\], and where they cross, if
-/// they do within `farthest` m. `flank` is what [`flanks`] says of the first; `last` is the normal they had last.
+/// Where edge `edges[0]` of the first body and `edges[1]` of the second cross, if they do: they come nearest, within `farthest`
+/// m, at `along` of each. `flank` is what [`outstanding`] says of the first; `last` is the normal they had last.
 pub fn crossing(
     bodies: [&Posed; 2],
     edges: [u32; 2],
+    along: [f64; 2],
     flank: &[DVec3; 2],
     last: Option<DVec3>,
     farthest: f64,
-) -> (f64, Option<Crossing>) {
+) -> Option<Crossing> {
     let (a, b) = (bodies[0].ends(edges[0]), bodies[1].ends(edges[1]));
-    let Some([s, t]) = between_segments(a, b) else {
-        return (segments_apart(a, b), None);
-    };
-    let way = a[0].lerp(a[1], s) - b[0].lerp(b[1], t);
-    let apart = way.length();
-    if apart > farthest {
-        return (apart, None);
-    }
-    let other = flanks(bodies[1], edges[1]);
-    if !stands_out(bodies[1], edges[1], &other) {
-        return (apart, None);
-    }
+    let way = a[0].lerp(a[1], along[0]) - b[0].lerp(b[1], along[1]);
+    let other = outstanding(bodies[1], edges[1])?;
     let across = (a[1] - a[0]).cross(b[1] - b[0]).normalize();
     let out_of = |k: usize| {
         if bodies[k].outline.closed {
@@ -107,10 +102,5 @@ pub fn crossing(
         farthest.min(DEEPEST * shortest)
     };
     let possible = gap > -deepest && can_push(&other, normal) && can_push(flank, -normal);
-    let crossing = possible.then_some(Crossing {
-        along: [s, t],
-        normal,
-        gap,
-    });
-    (apart, crossing)
+    possible.then_some(Crossing { along, normal, gap })
 }

@@ -8,7 +8,6 @@
 //! what hangs together.
 
 mod apart;
-pub mod closest;
 pub mod edge;
 pub mod manners;
 pub mod node;

@@ -4,9 +4,9 @@
 //! folds). Sides are remembered by the normal of the last row: a node that has been pressed into a solid leaves it through
 //! the face it came by, not through the one that happens to be nearest, and one pressed through a sheet is brought back.
 
-use super::closest::Feature;
 use super::posed::{Posed, Way};
 use super::touch::Touch;
+use crate::contact::closest::Feature;
 use crate::math::DVec3;
 
 /// Two solids touch only where their surfaces look at each other: the cosine of their normals is less than this.

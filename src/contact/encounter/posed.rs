@@ -1,8 +1,8 @@
 //! An outline where its body stands now: corners and normals.
 
-use super::closest::{Feature, Nearest, on_side, on_triangle};
 use super::outline::{NONE, Outline};
 use crate::body::State;
+use crate::contact::closest::{Feature, Nearest, on_side, on_triangle};
 use crate::math::{DVec3, Real};
 
 /// An outline at the positions of a state, in the frame of the encounter.

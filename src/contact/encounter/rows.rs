@@ -6,6 +6,7 @@ use super::edge;
 use super::node::{Found, Query};
 use super::posed::Posed;
 use super::touch::{Touch, Touches};
+use crate::contact::closest::between_segments;
 use crate::contact::site::{Carrier, Reach};
 use crate::law::row::{Lift, softness};
 use crate::math::DVec3;
@@ -155,10 +156,11 @@ impl Encounter {
                 continue;
             }
             let [a, b] = bodies.posed;
-            let flanks = edge::flanks(&a, edge);
-            if !edge::stands_out(&a, edge, &flanks) || a.outline.is_broken(edge, a.state) {
+            if a.outline.is_broken(edge, a.state) {
                 continue;
             }
+            let ends = a.ends(edge);
+            let mut flank = None;
             for i in start..at {
                 let other = self.edges[i].1;
                 let known = touches.of(edge, &mut from).iter();
@@ -166,10 +168,16 @@ impl Encounter {
                 if last.is_none() && beyond(apart, i) || b.outline.is_broken(other, b.state) {
                     continue;
                 }
-                let normal = last.map(|t| t.normal);
-                let pair = [edge, other];
-                let (distance, found) = edge::crossing([&a, &b], pair, &flanks, normal, farthest);
+                let (distance, along) = between_segments(ends, b.ends(other));
                 apart.note(i, self.way, distance);
+                let Some(along) = along.filter(|_| distance <= farthest) else {
+                    continue;
+                };
+                // Most edges meet none, so only now.
+                let flank = flank.get_or_insert_with(|| edge::outstanding(&a, edge));
+                let Some(flank) = flank else { break };
+                let (pair, normal) = ([edge, other], last.map(|t| t.normal));
+                let found = edge::crossing([&a, &b], pair, along, flank, normal, farthest);
                 if let Some(found) = found {
                     let draft = self.draft_edges(pair, &found, last, bodies, &reach);
                     self.push(draft, touches, bodies, rows, reach);

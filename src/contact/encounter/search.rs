@@ -2,10 +2,10 @@
 
 use super::Encounter;
 use super::apart::Apart;
-use super::closest::segments_apart;
 use super::outline::{NONE, Outline};
 use super::posed::Posed;
 use crate::body::State;
+use crate::contact::closest::between_segments;
 use crate::math::{DVec3, Real};
 
 /// The least margin of a list, per shortest edge: a body at rest makes one in thousands of substeps.
@@ -114,7 +114,7 @@ fn list_edges(list: &mut Vec<(u32, u32)>, a: &Posed, b: &Posed, radius: f64) {
             .near(lo - b.shift, hi - b.shift, radius, |element| {
                 for other in b.outline.edges_of[element as usize] {
                     let owned = other != NONE && b.outline.owner[other as usize] == element;
-                    if owned && segments_apart(ends, b.ends(other)) <= radius {
+                    if owned && between_segments(ends, b.ends(other)).0 <= radius {
                         list.push((edge, other));
                     }
                 }

@@ -181,8 +181,17 @@ impl Making<'_, '_> {
             let outward = foot.normal * 1.0_f64.copysign(foot.normal.dot(n));
             met.extend(self.over((i, point), (f, &patch), (&foot, outward), deepest));
         }
-        // What touches may be deeper next time.
-        if met.len() > before { 0.0 } else { apart }
+        if met.len() > before {
+            // What touches may be deeper next time.
+            return 0.0;
+        }
+        if part.solid.has_rim() {
+            return apart;
+        }
+        // Grown points turn with the face, those they have grown from do not.
+        let grown = n * part.solid.edge_radius();
+        let far = points.iter().map(|&point| patch.apart(point + grown));
+        apart.max(far.fold(f64::INFINITY, f64::min) - part.solid.edge_radius())
     }
 
     /// An edge against the part: where it crosses the part's edges, and where it comes nearest to a round side.
@@ -224,8 +233,10 @@ impl Making<'_, '_> {
             self.across((key, known), (&nodes, &corners), at, deepest);
         };
         part.solid.for_each_crossing(a, b, most, &mut cross);
+        let mut side = f64::INFINITY;
         if part.solid.has_round_side() {
             let (t, distance, normal) = part.solid.nearest_on_segment(a, b);
+            side = distance;
             if t > 0.0 && t < 1.0 {
                 cross(Crossing {
                     edge: u32::MAX,
@@ -235,12 +246,12 @@ impl Making<'_, '_> {
                 });
             }
         }
-        // What touches may be deeper next time.
         if self.site.rows.contacts.len() > before {
-            0.0
-        } else {
-            apart
+            // What touches may be deeper next time.
+            return 0.0;
         }
+        let within = most.max(a.distance(b));
+        apart.max(part.solid.edges_from(a, b, within).min(side))
     }
 }
 

@@ -5,7 +5,7 @@ use super::making::{BORDER, Making, Met};
 use super::patch::Patch;
 use super::sharp::Corner;
 use crate::body::topology::NONE;
-use crate::contact::encounter::closest::{between_lines, segments_apart};
+use crate::contact::closest::{between_lines, between_segments};
 use crate::contact::soup::Edge;
 use crate::contact::touches::Key;
 use crate::math::DVec3;
@@ -86,15 +86,16 @@ impl Making<'_, '_> {
         let corners = self.ends(&nodes);
         let across = (corners[1] - corners[0]).cross(edge.along());
         let across = across.normalize_or_zero();
-        let apart =
-            segments_apart(corners, edge.ends).max((corners[0] - edge.ends[0]).dot(across).abs());
+        // A line has no inside that would tell a node beside it to take over: edges overlap at their ends.
+        let overlap = BORDER * self.site.reach.touching;
+        let (apart, _) = between_segments(corners, edge.ends);
+        let between_planes = (corners[0] - edge.ends[0]).dot(across).abs();
+        let apart = (apart - 2.0 * overlap).max(between_planes);
         let key = [e, edge.id, u32::from(edge.is_border())];
         let touched = self.touches.touched(key);
         if apart > self.near && !touched {
             return apart;
         }
-        // A line has no inside that would tell a node beside it to take over: edges overlap at their ends.
-        let overlap = BORDER * self.site.reach.touching;
         let Some([t, s]) = crossing(corners, edge.ends, overlap) else {
             return apart;
         };

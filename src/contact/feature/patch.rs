@@ -1,5 +1,6 @@
 //! A face of a deformable as a patch of surface: a flat triangle, or the bilinear patch between the corners of a quad.
 
+use crate::contact::closest::on_triangle;
 use crate::math::DVec3;
 
 /// Corners \[m\], in order round the face; a triangle has three.
@@ -117,6 +118,18 @@ impl Patch {
         })
     }
 
+    /// How far a point is from it, or less \[m\].
+    pub fn apart(&self, p: DVec3) -> f64 {
+        let [a, b, c, d] = self.corners;
+        let far = |corners: [DVec3; 3]| on_triangle(p, &corners).point(&corners).distance(p);
+        if self.count == 3 {
+            return far([a, b, c]);
+        }
+        // The patch is nowhere farther from two triangles over its corners than a quarter of its twist.
+        let twist = (a - b + c - d).length();
+        far([a, b, c]).min(far([a, c, d])) - 0.25 * twist
+    }
+
     fn inside(&self, weights: [f64; 4]) -> bool {
         weights.iter().all(|w| *w >= -1e-9)
     }
@@ -153,6 +166,34 @@ mod tests {
                 assert!(foot.normal.dot(normal) > 0.9);
             }
             assert!(inside > 60, "{inside}");
+        }
+    }
+
+    #[test]
+    fn no_foot_is_nearer_than_the_distance() {
+        let corners = [
+            DVec3::new(0.0, 0.1, 0.0),
+            DVec3::new(0.2, 0.0, 1.2),
+            DVec3::new(1.1, 0.2, 0.9),
+            DVec3::new(1.0, 0.0, 0.1),
+        ];
+        for count in [3, 4] {
+            let patch = Patch::new(corners[..count].iter().copied());
+            let mut feet = 0;
+            for i in 0..1000 {
+                let [x, y, z] = [i % 10, i / 10 % 10, i / 100].map(|k| 0.2 * f64::from(k) - 0.5);
+                let p = DVec3::new(x, y, z);
+                let apart = patch.apart(p);
+                let corner = patch.corners().iter().map(|c| c.distance(p));
+                assert!(apart <= corner.fold(f64::INFINITY, f64::min) + 1e-12);
+                if let Some(foot) = patch.foot(p) {
+                    feet += 1;
+                    let far = foot.point.distance(p);
+                    assert!(apart <= far + 1e-12, "{apart} {far}");
+                    assert!(count == 4 || apart > far - 1e-12, "{apart} {far}");
+                }
+            }
+            assert!(feet > 100, "{feet}");
         }
     }
 

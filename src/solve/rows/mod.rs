@@ -33,7 +33,7 @@ pub use rigid::RigidRow;
 use rigid::start_rigid;
 use settled::Settled;
 pub use settled::{Give, Negligible};
-use squeeze::Squeeze;
+use squeeze::{Held, Squeeze};
 use warm::Clusters;
 use worklist::Worklist;
 
@@ -137,6 +137,7 @@ pub struct Rows {
     /// What is settled.
     pub negligible: Negligible,
     squeeze: Squeeze,
+    held: Vec<Held>,
     attempt: Attempt,
     composites: Composites,
     clusters: Clusters,

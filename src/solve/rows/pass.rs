@@ -6,7 +6,7 @@ use super::contact::Response;
 use super::points::Points;
 use super::rigid::start_rigid;
 use super::settled::{Give, Settled};
-use super::squeeze::Squeeze;
+use super::squeeze::{Held, Squeeze};
 use super::worklist::Worklist;
 use super::{JointRow, RigidRow, Row, Rows, Tie};
 use crate::law::row::{allowed_velocity, turning};
@@ -21,6 +21,8 @@ impl Rows {
         if squeezed {
             self.squeeze
                 .find(self.nodes.len(), &self.contacts, &self.ties, &self.terms);
+            self.held.clear();
+            self.held.resize(self.contacts.len(), Held::default());
         }
         let rows = self.contacts.len() + self.ties.len() + self.rigid.len() + self.joints.len();
         self.worklist.start(self.nodes.len(), shadows, rows);
@@ -43,6 +45,7 @@ impl Rows {
             joints: &mut self.joints,
             shadows,
             squeeze: &self.squeeze,
+            held: &mut self.held,
             attempt: &mut self.attempt,
             composites: &mut self.composites,
             worklist: &mut self.worklist,
@@ -113,6 +116,7 @@ pub(super) struct Pass<'a> {
     pub joints: &'a mut [JointRow],
     pub shadows: &'a mut [Shadow],
     pub squeeze: &'a Squeeze,
+    pub held: &'a mut [Held],
     pub attempt: &'a mut Attempt,
     pub composites: &'a mut Composites,
     pub worklist: &'a mut Worklist,

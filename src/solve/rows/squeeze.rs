@@ -6,6 +6,7 @@
 //! system of all rows, taken over those that are active. After every such impulse the node's own rows answer at once.
 //! Which of them will be active is a guess, so what went uphill is taken back.
 
+use super::contact::Response;
 use super::pass::Pass;
 use super::{Row, Term, Tie};
 use crate::math::{DMat3, DVec3};
@@ -37,6 +38,15 @@ pub(super) struct Squeeze {
     tie: Vec<u32>,
     /// Per row, whether a node of it has an own row that is another one.
     shared: Vec<bool>,
+}
+
+/// What the nodes of a row, held by their own rows, make of its impulse, as far as that has been asked for \[1/kg\].
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Held {
+    /// In a state of the own rows, see [`Hold::Active`].
+    active: Option<(u64, DMat3)>,
+    /// See [`Hold::All`].
+    all: Option<DMat3>,
 }
 
 impl Squeeze {
@@ -249,27 +259,57 @@ impl Pass<'_> {
 
     /// Effective mass of a row along `direction` with the own rows of its nodes \[kg\]. One that is held from both sides
     /// counts as if it were alone: no impulse can answer it.
-    fn squeezed_mass(&self, i: usize, direction: DVec3, softness: f64, hold: Hold) -> f64 {
-        let row = &self.contacts[i];
-        let rigid = row.response.rigid_along(direction);
-        let (mut alone, mut squeezed) = (0.0, 0.0);
-        for term in self.points.terms_of(row.terms) {
-            let share = term.weight * term.share;
-            alone += share * self.points.nodes[term.node as usize].inv_mass;
-            squeezed += share
-                * self
-                    .node_response(term.node, i, hold)
-                    .mul_vec3(direction)
-                    .dot(direction);
-        }
-        let k = squeezed.max(0.0) + rigid + softness;
-        if k > HELD * alone {
+    fn squeezed_mass(&mut self, i: usize, direction: DVec3, softness: f64, hold: Hold) -> f64 {
+        let squeezed = direction.dot(self.squeezed_response(i, hold) * direction);
+        let Response { own, ref rigid, .. } = self.contacts[i].response;
+        let k = squeezed.max(0.0) + direction.dot(*rigid * direction) + softness;
+        if k > HELD * own {
             1.0 / k
-        } else if alone > 0.0 {
-            1.0 / alone
+        } else if own > 0.0 {
+            1.0 / own
         } else {
             0.0
         }
+    }
+
+    /// The velocity of a row's point by its impulse while the own rows of its nodes hold these \[1/kg\]: found once for each
+    /// state of the own rows, which most visits find as the last one left it.
+    fn squeezed_response(&mut self, i: usize, hold: Hold) -> DMat3 {
+        let state = match hold {
+            Hold::Active => self.own_state(i),
+            Hold::All => None,
+        };
+        let known = match hold {
+            Hold::Active => self.held[i].active.filter(|(at, _)| Some(*at) == state),
+            Hold::All => self.held[i].all.map(|response| (0, response)),
+        };
+        if let Some((_, response)) = known {
+            return response;
+        }
+        let terms = self.points.terms_of(self.contacts[i].terms);
+        let each = terms.iter();
+        let response = each
+            .map(|t| self.node_response(t.node, i, hold) * (t.weight * t.share))
+            .fold(DMat3::ZERO, |sum, response| sum + response);
+        match hold {
+            Hold::Active => self.held[i].active = state.map(|state| (state, response)),
+            Hold::All => self.held[i].all = Some(response),
+        }
+        response
+    }
+
+    /// Which of the own rows of a row's nodes press, and which of them stick: two bits for each; `None` where those are too
+    /// many.
+    fn own_state(&self, i: usize) -> Option<u64> {
+        let terms = self.points.terms_of(self.contacts[i].terms).iter();
+        let own = terms.flat_map(|t| self.squeeze.own(t.node));
+        let (mut state, mut count) = (0, 0);
+        for row in own.filter(|own| *own != i).map(|own| &self.contacts[own]) {
+            let presses = row.normal_impulse > 0.0;
+            state = state << 2 | u64::from(presses) << 1 | u64::from(presses && row.sticks());
+            count += 2;
+        }
+        (count <= u64::BITS).then_some(state)
     }
 
     /// The inverse mass matrix of a node that is held by its own rows, but for row `but` \[1/kg\].

@@ -125,16 +125,29 @@ pub fn between_lines(a: [DVec3; 2], b: [DVec3; 2]) -> Option<[f64; 2]> {
     Some([s, t])
 }
 
-/// The same where it is inside both segments.
-pub fn between_segments(a: [DVec3; 2], b: [DVec3; 2]) -> Option<[f64; 2]> {
-    let inside = |x: &f64| *x > 1e-6 && *x < 1.0 - 1e-6;
-    between_lines(a, b).filter(|along| along.iter().all(inside))
-}
-
-/// A bound from below on the distance of two segments: that of the balls around them \[m\].
-pub fn segments_apart(a: [DVec3; 2], b: [DVec3; 2]) -> f64 {
-    let middle = 0.5 * (a[0] + a[1] - b[0] - b[1]);
-    middle.length() - 0.5 * (a[0].distance(a[1]) + b[0].distance(b[1]))
+/// How far two segments are apart \[m\], or less where they are nearly parallel, and how far along each they come nearest
+/// where that is inside both.
+pub fn between_segments(a: [DVec3; 2], b: [DVec3; 2]) -> (f64, Option<[f64; 2]>) {
+    let Some([s, t]) = between_lines(a, b) else {
+        // That of the balls around them.
+        let middle = 0.5 * (a[0] + a[1] - b[0] - b[1]);
+        let reach = 0.5 * (a[0].distance(a[1]) + b[0].distance(b[1]));
+        return (middle.length() - reach, None);
+    };
+    let inside = |x: f64| x > 1e-6 && x < 1.0 - 1e-6;
+    if inside(s) && inside(t) {
+        let apart = a[0].lerp(a[1], s).distance(b[0].lerp(b[1], t));
+        return (apart, Some([s, t]));
+    }
+    // Then one of them comes nearest with an end.
+    let far = |p: DVec3, [q, r]: [DVec3; 2]| {
+        let along = r - q;
+        let share = (p - q).dot(along) / along.length_squared();
+        p.distance_squared(q + along * share.clamp(0.0, 1.0))
+    };
+    let to_b = far(a[0], b).min(far(a[1], b));
+    let to_a = far(b[0], a).min(far(b[1], a));
+    (to_a.min(to_b).sqrt(), None)
 }
 
 #[cfg(test)]
@@ -180,11 +193,38 @@ mod tests {
     fn crossed_segments_meet_inside_or_not_at_all() {
         let a = [DVec3::new(-1.0, 0.0, 0.0), DVec3::new(3.0, 0.0, 0.0)];
         let b = [DVec3::new(0.0, 1.0, -1.0), DVec3::new(0.0, 1.0, 1.0)];
-        let [s, t] = between_segments(a, b).unwrap();
+        let (apart, along) = between_segments(a, b);
+        let [s, t] = along.unwrap();
         assert!((s - 0.25).abs() < 1e-12 && (t - 0.5).abs() < 1e-12);
-        assert!(segments_apart(a, b) <= 1.0);
-        assert_eq!(between_segments(a, a.map(|p| p + DVec3::Y)), None);
-        assert_eq!(between_segments(a, b.map(|p| p + DVec3::X * 5.0)), None);
-        assert_eq!(between_segments(a, [DVec3::Y; 2]), None);
+        assert!((apart - 1.0).abs() < 1e-12);
+        for b in [a.map(|p| p + DVec3::Y), [DVec3::Y; 2]] {
+            let (apart, along) = between_segments(a, b);
+            assert!(along.is_none() && apart <= 1.0);
+        }
+        let (apart, along) = between_segments(a, b.map(|p| p + DVec3::X * 5.0));
+        assert!(along.is_none() && (apart - 5.0_f64.sqrt()).abs() < 1e-12);
+    }
+
+    /// No two points of them are nearer, and where they are not parallel some are as near.
+    #[test]
+    fn the_distance_of_segments_is_a_bound() {
+        let mut seed = 1_u32;
+        let mut number = || {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(seed >> 8) / f64::from(1 << 24) - 0.5
+        };
+        for _ in 0..2000 {
+            let mut point = || DVec3::new(number(), number(), number());
+            let (a, b) = ([point(), point()], [point(), point()]);
+            let (apart, _) = between_segments(a, b);
+            let along = |[p, q]: [DVec3; 2], i: i32| p.lerp(q, f64::from(i) / 50.0);
+            let pairs = (0..=50).flat_map(|i| (0..=50).map(move |k| (i, k)));
+            let least = pairs.map(|(i, k)| along(a, i).distance(along(b, k)));
+            let least = least.fold(f64::INFINITY, f64::min);
+            assert!(apart <= least + 1e-12, "{apart} {least}");
+            if between_lines(a, b).is_some() {
+                assert!(apart > least - 0.03, "{apart} {least}");
+            }
+        }
     }
 }
