@@ -26,7 +26,7 @@ enum Command {
     List,
     /// Runs a scene and writes its channels, plots, pictures and figures.
     Run(cli::run::RunArguments),
-    /// Says everything that is wrong with scene files, without running them.
+    /// Says everything that is wrong with scene files, building them but not running them.
     Check(cli::check::CheckArguments),
     /// Runs every scene file of a folder; exit code 1 if one does not come to what it expects.
     Test(cli::check::TestArguments),

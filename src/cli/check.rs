@@ -1,15 +1,15 @@
 //! `check` and `test`: scene files held against the format, and against what they expect.
 
 use super::Failure;
-use crumple::scenario::file::{LoadOptions, Scenario, scenes_in};
-use std::path::PathBuf;
+use crumple::scenario::file::{LoadError, LoadOptions, Scenario, embedded_names, scenes_in};
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 #[derive(clap::Args)]
 pub struct CheckArguments {
-    /// Scene files.
-    #[arg(required = true, value_name = "FILE")]
-    files: Vec<PathBuf>,
+    /// Scene files, folders of them, and names of scenes; see `crumple list`.
+    #[arg(required = true, value_name = "SCENE")]
+    scenes: Vec<PathBuf>,
     /// Files outside of the scenes' folders may be read.
     #[arg(long)]
     allow_outside: bool,
@@ -34,10 +34,21 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
         ..LoadOptions::default()
     };
     let mut problems = Vec::new();
-    for file in &arguments.files {
-        match Scenario::load(file, &options) {
-            Ok(_) => say_line!("{}: ok", file.display()),
-            Err(error) => problems.push(error.to_string()),
+    for scene in &arguments.scenes {
+        // Names before folders, as `run` has it.
+        if let Some(name) = embedded_names().find(|n| scene == Path::new(n)) {
+            problems.extend(problem(scene, Scenario::embedded(name, &options)));
+        } else if scene.is_dir() {
+            match scenes_of(scene) {
+                Ok(files) => problems.extend(
+                    files
+                        .iter()
+                        .filter_map(|(_, file)| problem(file, Scenario::load(file, &options))),
+                ),
+                Err(failure) => problems.push(super::chain(&failure)),
+            }
+        } else {
+            problems.extend(problem(scene, Scenario::load(scene, &options)));
         }
     }
     match problems.is_empty() {
@@ -46,20 +57,40 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     }
 }
 
-pub fn test(arguments: &TestArguments) -> Result<(), Failure> {
-    let options = LoadOptions {
-        allow_outside: arguments.allow_outside,
-        ..LoadOptions::default()
-    };
-    let folder = &arguments.folder;
+/// What is wrong with a scene, and be it what only its bodies know of; says so where nothing is.
+fn problem(name: &Path, loaded: Result<Scenario, LoadError>) -> Option<String> {
+    let started = loaded.map_err(|e| e.to_string()).and_then(|scene| {
+        let started = scene.start().map(|_| ());
+        started.map_err(|e| format!("{}: {e}", name.display()))
+    });
+    match started {
+        Ok(()) => {
+            say_line!("{}: ok", name.display());
+            None
+        }
+        Err(problem) => Some(problem),
+    }
+}
+
+/// The scene files of a folder, of which there must be one.
+fn scenes_of(folder: &Path) -> Result<Vec<(String, PathBuf)>, Failure> {
     let scenes = scenes_in(folder).map_err(|source| Failure::Read {
-        path: folder.clone(),
+        path: folder.to_owned(),
         source,
     })?;
     if scenes.is_empty() {
         let what = format!("{} has no scene files (.ron, .json)", folder.display());
         return Err(Failure::Wrong(what));
     }
+    Ok(scenes)
+}
+
+pub fn test(arguments: &TestArguments) -> Result<(), Failure> {
+    let options = LoadOptions {
+        allow_outside: arguments.allow_outside,
+        ..LoadOptions::default()
+    };
+    let scenes = scenes_of(&arguments.folder)?;
     let (mut passed, mut failed, mut wrong) = (0, 0, 0);
     for (name, path) in &scenes {
         let start = Instant::now();

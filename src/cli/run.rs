@@ -77,6 +77,9 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     match arguments.scene.load(&options) {
         Some(Ok(loaded)) => scene::run(&loaded, arguments),
         Some(Err(error)) => Err(arguments.as_typed(error)),
+        None if Path::new(name).is_dir() => Err(Failure::Wrong(format!(
+            "{name} is a folder: `crumple test {name}` runs all scene files in it, `run` one of them"
+        ))),
         None => Err(unknown(name).into()),
     }
 }

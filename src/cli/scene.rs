@@ -49,11 +49,19 @@ fn write_probes(outcome: &Outcome, out: &Path) -> Result<(), Failure> {
 }
 
 fn draw_probes(outcome: &Outcome, out: &Path) -> Result<(), Failure> {
+    let probes = &outcome.run.scenario.probes;
     for (name, series) in &outcome.probes {
+        let title = name.replace('_', " ");
+        // A factor may be there for another unit.
+        let unscaled = probes.iter().find(|p| p.name == *name && p.scale == 1.0);
+        let y_label = match unscaled.and_then(|p| p.of.unit()) {
+            Some(unit) => format!("{title} [{unit}]"),
+            None => title.clone(),
+        };
         let plot = Plot {
-            title: name.replace('_', " "),
+            title,
             x_label: "time [s]".into(),
-            y_label: name.replace('_', " "),
+            y_label,
             series: vec![Curve {
                 name: String::new(),
                 x: series.times.clone(),

@@ -134,10 +134,10 @@ pub fn between_segments(a: [DVec3; 2], b: [DVec3; 2]) -> (f64, Option<[f64; 2]>)
         let reach = 0.5 * (a[0].distance(a[1]) + b[0].distance(b[1]));
         return (middle.length() - reach, None);
     };
-    let inside = |x: f64| x > 1e-6 && x < 1.0 - 1e-6;
-    if inside(s) && inside(t) {
+    let within = |end: f64| [s, t].iter().all(|x| *x >= end && *x <= 1.0 - end);
+    if within(0.0) {
         let apart = a[0].lerp(a[1], s).distance(b[0].lerp(b[1], t));
-        return (apart, Some([s, t]));
+        return (apart, within(1e-6).then_some([s, t]));
     }
     // Then one of them comes nearest with an end.
     let far = |p: DVec3, [q, r]: [DVec3; 2]| {

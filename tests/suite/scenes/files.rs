@@ -187,6 +187,34 @@ fn folders_are_tested_and_files_checked() {
         "{}",
         text(&output.stderr)
     );
+    let output = crumple(&["check", path, "wall"]);
+    assert_eq!(output.status.code(), Some(2));
+    let shown = text(&output.stdout);
+    assert!(shown.contains("low.ron: ok") && shown.contains("wall: ok"));
+    let output = crumple(&["run", path]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("crumple test"));
+    std::fs::remove_dir_all(dir).unwrap();
+}
+
+/// What a file may say and a body can't be is found without a run.
+#[test]
+fn a_checked_scene_can_be_built() {
+    let dir = folder("checked");
+    let file = dir.join("stiff.ron");
+    let scene = r#"(
+    world: (duration: 0.1),
+    materials: ( steel: (young: 1e30, density: 1000) ),
+    deformables: [ (name: "block", body: Lattice(size: (1, 1, 1), cell: 0.5), material: "steel") ],
+)"#;
+    std::fs::write(&file, scene).unwrap();
+    let output = crumple(&["check", file.to_str().unwrap()]);
+    let shown = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{shown}");
+    assert!(
+        shown.contains("stiff.ron") && shown.contains("block"),
+        "{shown}"
+    );
     std::fs::remove_dir_all(dir).unwrap();
 }
 

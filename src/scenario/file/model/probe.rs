@@ -48,6 +48,22 @@ impl Class {
 }
 
 impl Channel {
+    /// The unit of its values; `None` for what a probe measures, which may be scaled.
+    pub fn unit(&self) -> Option<&'static str> {
+        Some(match self {
+            Self::Probe(_) => return None,
+            Self::Force { .. } => "N",
+            Self::Position { .. } | Self::Low { .. } | Self::High { .. } | Self::Extent { .. } => {
+                "m"
+            }
+            Self::Velocity { .. } | Self::Fastest => "m/s",
+            Self::Acceleration { .. } => "m/s²",
+            Self::Spin { .. } => "rad/s",
+            Self::Energy { .. } | Self::MechanicalEnergy => "J",
+            Self::Stress { .. } => "Pa",
+        })
+    }
+
     /// Whether its values are means over bins of time, as those of forces are.
     pub(crate) fn is_binned(&self) -> bool {
         matches!(self, Self::Force { .. } | Self::Acceleration { .. })
