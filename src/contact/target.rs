@@ -72,7 +72,7 @@ pub struct Target {
     pub offset: DVec3,
     /// Rotation of the collider relative to its body.
     pub turn: DQuat,
-    /// Largest distance of any of its points from the shadow's centre of mass \[m\]; huge for a half-space.
+    /// No point of it is farther from the shadow's centre of mass, or from its own origin \[m\]; huge for a half-space.
     pub extent: f64,
     /// Combined μ.
     pub friction: f64,
@@ -193,6 +193,12 @@ fn thickness(t: Real) -> f64 {
     }
 }
 
+/// Largest distance of any point of a collider from its own origin \[m\].
+fn farthest(collider: &Collider) -> f64 {
+    let ball = collider.shape().compute_local_bounding_sphere();
+    f64::from(ball.center.length() + ball.radius)
+}
+
 /// The target for an admitted collider; `None` where its shape is not one that nodes can touch.
 pub fn target(
     handle: ColliderHandle,
@@ -228,8 +234,7 @@ pub fn target(
         shadow: 0,
         form,
         shape: collider.shared_shape().clone(),
-        extent: offset.length()
-            + f64::from(collider.shape().compute_local_bounding_sphere().radius),
+        extent: offset.length() + farthest(collider),
         offset,
         turn,
         friction: f64::from(friction).max(0.0),

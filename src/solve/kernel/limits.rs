@@ -145,7 +145,8 @@ impl Limited<'_> {
     {
         if !self.limits.is_untouched(slice) && !self.limits.is_busy(slice, part) {
             let rule = self.limits.rule();
-            let (sums, within) = add_springs::<V, _, _, DAMPED>(table, slots(), part, nodes, &rule);
+            let slots = rule.slots(table.range(slice), slots());
+            let (sums, within) = add_springs::<V, _, _, DAMPED>(table, slots, part, nodes, &rule);
             if within {
                 return sums;
             }

@@ -315,26 +315,26 @@ fn add_free_springs<V: Vector, const DAMPED: bool>(
 #[inline(always)]
 pub(super) fn add_springs<V: Vector, E: End<V>, R: Rule<V>, const DAMPED: bool>(
     table: &Table,
-    slots: impl Iterator<Item = (usize, E, usize)>,
+    slots: impl Iterator<Item = (R::Slot, E, usize)>,
     part: usize,
     mut nodes: Nodes<V>,
     rule: &R,
 ) -> (Nodes<V>, bool) {
-    let mut within = V::ONE;
+    let mut within = V::EVERYWHERE;
     for (slot, far, which) in slots {
-        let rest = rule.rest(slot, which, part);
+        let rest = rule.rest(slot, (which, part));
         let stiffness = table.stiffness(which, part);
         let mut trial = Trial::new(nodes.at, &far, part, rest);
         if R::ASKS_ALL {
             trial = trial.without_strays::<E>(stiffness);
         }
         let tension = spring::tension(stiffness, trial.elongation);
-        within = rule.keep(within, trial.elongation, rest, (slot, which, part));
+        within = rule.keep(within, trial.elongation, rest, slot, (which, part));
         nodes.pull(&trial, tension);
         if DAMPED {
             let rate = nodes.rate(&trial, &far, part);
             nodes.damp(&trial, rate, table.damping(which, part));
         }
     }
-    (nodes, !R::LIMITED || within.all_above(V::ZERO))
+    (nodes, !R::LIMITED || V::is_everywhere(within))
 }

@@ -53,16 +53,14 @@ struct BySlices<'a> {
     unsaved: &'a mut [bool],
 }
 
-/// No spring of half a slot flows or breaks while its elongation over its rest length lies between these two. NaN where that is
-/// not known, and without meaning where the part of the slice is busy.
+/// No spring of half a slot flows or breaks while its elongation over its rest length lies between these two, by halves; of the
+/// whole slot where it is not cut into parts. NaN where that is not known, and without meaning where the part of the slice
+/// is busy.
 #[derive(Clone, Copy, Debug)]
-pub struct Range {
-    least: f32,
-    most: f32,
+pub struct Ranges {
+    least: [f32; 2],
+    most: [f32; 2],
 }
-
-/// Of both halves; of the whole slot where it is not cut into parts.
-pub type Ranges = [Range; 2];
 
 /// In which half of a slot a part lies.
 #[inline(always)]
@@ -86,18 +84,19 @@ pub fn slack(limit: &Limit<f32>, stiffness: f32, rest: f32) -> f32 {
     }
 }
 
-impl Range {
+impl Ranges {
     pub const UNKNOWN: Self = Self {
-        least: f32::NAN,
-        most: f32::NAN,
+        least: [f32::NAN; 2],
+        most: [f32::NAN; 2],
     };
 
-    /// What was `within`, or 0 for elongations out of range.
+    /// Of the lanes of a part that were `within`, those whose elongation is in range.
     #[inline(always)]
-    pub fn keep<V: Vector>(&self, within: V, elongation: V, rest: V) -> V {
-        let [least, most] = [self.least, self.most].map(|x| V::of(x.into()) * rest);
-        let within = V::above(most, elongation, within, V::ZERO);
-        V::above(elongation, least, within, V::ZERO)
+    pub fn keep<V: Vector>(&self, part: usize, within: V::Mask, elongation: V, rest: V) -> V::Mask {
+        let half = half::<V>(part);
+        let least = V::of(self.least[half].into()) * rest;
+        let most = V::of(self.most[half].into()) * rest;
+        elongation.also_above(least, most.also_above(elongation, within))
     }
 }
 
@@ -277,11 +276,10 @@ impl<'a> Span<'a> {
                 0.0
             }
         };
-        let found = Range {
-            least: range[0] + margin(range[0]),
-            most: range[1] - margin(range[1]),
-        };
-        let known = if positive { found } else { Range::UNKNOWN };
-        self.slots.ranges[slot - self.slots.first][half::<V>(part)] = known;
+        let (half, ranges) = (half::<V>(part), &mut self.slots.ranges);
+        let found = [range[0] + margin(range[0]), range[1] - margin(range[1])];
+        let [least, most] = if positive { found } else { [f32::NAN; 2] };
+        let ranges = &mut ranges[slot - self.slots.first];
+        (ranges.least[half], ranges.most[half]) = (least, most);
     }
 }

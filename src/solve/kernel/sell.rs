@@ -19,7 +19,7 @@ use super::log::Log;
 use super::mirror::Mirror;
 use super::order::Adjacency;
 use super::palette::{Mixer, Palette};
-use super::ranges::{Limits, Range, slack};
+use super::ranges::{Limits, Ranges, slack};
 use super::regular;
 use super::telling::Telling;
 use super::vector::{LANES, Places, Starts, Wide};
@@ -369,6 +369,6 @@ impl Limits {
             ends.map(|e| e.map_or(0.0, |(s, _)| state.flow[s as usize])),
         ));
         self.rest.push(rest);
-        self.ranges.push([Range::UNKNOWN; 2]);
+        self.ranges.push(Ranges::UNKNOWN);
     }
 }

@@ -1,9 +1,10 @@
 //! What the passes over springs read: slots by slices, the nodes at the other ends, constants, and what bounds an elongation.
 
-use super::ranges::{Ranges, half};
+use super::ranges::Ranges;
 use super::sell::Layout;
 use super::vector::{Half, LANES, Reader, Run, Runs, Slot, Vector, Wide};
 use crate::body::state::Particle;
+use std::ops::Range;
 
 /// The layout over the nodes.
 #[derive(Clone, Copy)]
@@ -49,15 +50,24 @@ impl<V: Vector> End<V> for Slot<'_, Particle<f32>> {
 }
 
 /// Rest lengths, and whether an elongation is one at which nothing happens.
-pub trait Rule<V> {
+pub trait Rule<V: Vector> {
     /// Whether there is anything to ask.
     const LIMITED: bool;
     /// Whether it asks of lanes without a spring what it asks of the others.
     const ASKS_ALL: bool;
-    /// Rest length \[m\].
-    fn rest(&self, slot: usize, which: usize, part: usize) -> V;
-    /// What was `within`, or 0 for elongations out of range.
-    fn keep(&self, within: V, elongation: V, rest: V, at: (usize, usize, usize)) -> V;
+    /// What it knows of a slot besides its constants.
+    type Slot: Copy;
+    /// Rest length of a part of a slot of these constants \[m\].
+    fn rest(&self, slot: Self::Slot, at: (usize, usize)) -> V;
+    /// Of the lanes that were `within`, those whose elongation is in range.
+    fn keep(
+        &self,
+        within: V::Mask,
+        elongation: V,
+        rest: V,
+        slot: Self::Slot,
+        at: (usize, usize),
+    ) -> V::Mask;
 }
 
 /// Springs without limits, by constants.
@@ -67,14 +77,15 @@ pub struct Free<'a>(pub &'a [Wide]);
 impl<V: Vector> Rule<V> for Free<'_> {
     const LIMITED: bool = false;
     const ASKS_ALL: bool = false;
+    type Slot = usize;
 
     #[inline(always)]
-    fn rest(&self, _: usize, which: usize, part: usize) -> V {
+    fn rest(&self, _: usize, (which, part): (usize, usize)) -> V {
         V::load(&self.0[which], part)
     }
 
     #[inline(always)]
-    fn keep(&self, within: V, _: V, _: V, _: (usize, usize, usize)) -> V {
+    fn keep(&self, within: V::Mask, _: V, _: V, _: usize, _: (usize, usize)) -> V::Mask {
         within
     }
 }
@@ -87,19 +98,41 @@ pub struct BySlot<'a> {
     pub ranges: &'a [Ranges],
 }
 
-impl<V: Vector> Rule<V> for BySlot<'_> {
+impl<'a> BySlot<'a> {
+    /// The slots of a slice, with what is known of each.
+    #[inline(always)]
+    pub fn slots<E>(
+        &self,
+        range: Range<usize>,
+        slots: impl Iterator<Item = (usize, E, usize)>,
+    ) -> impl Iterator<Item = ((&'a Wide, &'a Ranges), E, usize)> {
+        let own = range.start - self.first..range.end - self.first;
+        let known = self.rest[own.clone()].iter().zip(&self.ranges[own]);
+        let each = slots.zip(known);
+        each.map(|((_, far, which), known)| (known, far, which))
+    }
+}
+
+impl<'a, V: Vector> Rule<V> for BySlot<'a> {
     const LIMITED: bool = true;
     const ASKS_ALL: bool = true;
+    type Slot = (&'a Wide, &'a Ranges);
 
     #[inline(always)]
-    fn rest(&self, slot: usize, _: usize, part: usize) -> V {
-        V::load(&self.rest[slot - self.first], part)
+    fn rest(&self, (rest, _): Self::Slot, (_, part): (usize, usize)) -> V {
+        V::load(rest, part)
     }
 
     #[inline(always)]
-    fn keep(&self, within: V, elongation: V, rest: V, at: (usize, usize, usize)) -> V {
-        let (slot, _, part) = at;
-        self.ranges[slot - self.first][half::<V>(part)].keep(within, elongation, rest)
+    fn keep(
+        &self,
+        within: V::Mask,
+        elongation: V,
+        rest: V,
+        (_, ranges): Self::Slot,
+        (_, part): (usize, usize),
+    ) -> V::Mask {
+        ranges.keep(part, within, elongation, rest)
     }
 }
 
@@ -113,17 +146,24 @@ pub struct Untouched<'a> {
 impl<V: Vector> Rule<V> for Untouched<'_> {
     const LIMITED: bool = true;
     const ASKS_ALL: bool = false;
+    type Slot = usize;
 
     #[inline(always)]
-    fn rest(&self, _: usize, which: usize, part: usize) -> V {
+    fn rest(&self, _: usize, (which, part): (usize, usize)) -> V {
         V::load(&self.rest[which], part)
     }
 
     #[inline(always)]
-    fn keep(&self, within: V, elongation: V, _: V, at: (usize, usize, usize)) -> V {
-        let (_, which, part) = at;
-        let slack = V::load(&self.slacks[which], part);
-        V::above(slack, elongation.abs(), within, V::ZERO)
+    fn keep(
+        &self,
+        within: V::Mask,
+        elongation: V,
+        _: V,
+        _: usize,
+        (which, part): (usize, usize),
+    ) -> V::Mask {
+        let slack: V = V::load(&self.slacks[which], part);
+        slack.also_above(elongation.abs(), within)
     }
 }
 
@@ -179,7 +219,7 @@ impl<'a> Table<'a> {
     }
 
     /// Which slots are those of a slice.
-    pub fn range(&self, slice: usize) -> std::ops::Range<usize> {
+    pub fn range(&self, slice: usize) -> Range<usize> {
         self.layout.slots(slice)
     }
 

@@ -25,6 +25,14 @@ pub use runs::{Columns, Run, Runs, Span, Starts, Three};
 
 /// One, four, eight or sixteen `f32`.
 pub trait Vector: Packed<f32> {
+    /// Of each lane, whether something holds there.
+    type Mask: Copy;
+    /// It holds in every lane.
+    const EVERYWHERE: Self::Mask;
+    /// Where it held and this is above the other; not where one is NaN.
+    fn also_above(self, other: Self, mask: Self::Mask) -> Self::Mask;
+    /// Whether it holds in every lane.
+    fn is_everywhere(mask: Self::Mask) -> bool;
     /// One bit for each lane that is above the other's; not where one is NaN.
     fn bits_above(self, other: Self) -> u32;
     /// The product with a factor and a sum, fused where the processor can: for roofs, not for results.

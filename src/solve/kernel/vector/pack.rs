@@ -4,6 +4,19 @@ use super::{Aside, Vector};
 use crate::math::Pack;
 
 impl Vector for Pack<f32> {
+    type Mask = [bool; 4];
+    const EVERYWHERE: Self::Mask = [true; 4];
+
+    #[inline(always)]
+    fn also_above(self, other: Self, mask: Self::Mask) -> Self::Mask {
+        std::array::from_fn(|l| mask[l] & (self.0[l] > other.0[l]))
+    }
+
+    #[inline(always)]
+    fn is_everywhere(mask: Self::Mask) -> bool {
+        mask == Self::EVERYWHERE
+    }
+
     #[inline(always)]
     fn multiply_and_add(self, factor: Self, more: Self) -> Self {
         self * factor + more

@@ -91,6 +91,22 @@ impl Packed<f32> for F8 {
 }
 
 impl Vector for F8 {
+    /// All bits of a lane, or none.
+    type Mask = Self;
+    const EVERYWHERE: Self = Self::from_lanes([f32::from_bits(u32::MAX); 8]);
+
+    #[inline(always)]
+    fn also_above(self, other: Self, mask: Self) -> Self {
+        // SAFETY: see the top.
+        Self(unsafe { _mm256_and_ps(mask.0, _mm256_cmp_ps::<_CMP_GT_OQ>(self.0, other.0)) })
+    }
+
+    #[inline(always)]
+    fn is_everywhere(mask: Self) -> bool {
+        // SAFETY: see the top.
+        unsafe { _mm256_movemask_ps(mask.0) == 0xff }
+    }
+
     #[inline(always)]
     fn aside<A: Aside<Self>>(aside: A) -> A::Output {
         // SAFETY: see the top.

@@ -92,6 +92,20 @@ impl Packed<f32> for F16 {
 }
 
 impl Vector for F16 {
+    type Mask = __mmask16;
+    const EVERYWHERE: Self::Mask = __mmask16::MAX;
+
+    #[inline(always)]
+    fn also_above(self, other: Self, mask: Self::Mask) -> Self::Mask {
+        // SAFETY: see the top.
+        unsafe { _mm512_mask_cmp_ps_mask::<_CMP_GT_OQ>(mask, self.0, other.0) }
+    }
+
+    #[inline(always)]
+    fn is_everywhere(mask: Self::Mask) -> bool {
+        mask == Self::EVERYWHERE
+    }
+
     #[inline(always)]
     fn aside<A: Aside<Self>>(aside: A) -> A::Output {
         // SAFETY: see the top.
