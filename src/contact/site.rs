@@ -54,23 +54,23 @@ pub struct Carrier<'a> {
 }
 
 impl Carrier<'_> {
-    /// Adds the terms of a point of this weight, of whose impulse the body takes `share`.
+    /// Adds the terms of a point of this weight, of whose impulse the body takes `share`, and of this lever.
     pub fn add_terms(
         &self,
         point: u32,
-        (weight, share): (f64, f64),
+        (weight, share, lever): (f64, f64, DVec3),
         slots: &mut [u32],
         rows: &mut Rows,
     ) {
-        let mut add = |node: usize, weight: f64| {
+        let mut add = |node: usize, part: f64| {
             let node = slot(self.body, node as u32, self.nodes, slots, rows);
-            rows.add_term(node, weight, share);
+            rows.add_term(node, weight * part, share, lever * part);
         };
         match self.bindings {
-            None => add(point as usize, weight),
+            None => add(point as usize, 1.0),
             Some(bindings) => {
                 let parts = bindings[point as usize].parts();
-                parts.for_each(|(node, part)| add(node, weight * part));
+                parts.for_each(|(node, part)| add(node, part));
             }
         }
     }

@@ -21,7 +21,7 @@ use crate::solve::forces::axis;
 /// The longest stable substep and the spring that sets it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StableStep {
-    /// Longest stable substep \[s\]; infinite for a body without springs and drag.
+    /// Longest stable substep \[s\]; infinite for a body without springs and drag, 0 where k/m is beyond all numbers.
     pub h: f64,
     /// The worst spring, if there is one.
     pub spring: Option<u32>,
@@ -224,15 +224,21 @@ impl<S: Scalar> Solver<S> {
             let k = rates.stiff().f64() + elastic.largest;
             let c = rates.damp().f64() + drag * p.inv_mass.f64() + viscous.largest;
             // The step only falls with either.
-            if k > worst.1.0 || c > worst.1.1 {
-                let h = integrator.stable_step(k, c, relaxation);
+            if !(k <= worst.1.0 && c <= worst.1.1) {
+                let finite = k.is_finite() && c.is_finite();
+                let h = if finite {
+                    integrator.stable_step(k, c, relaxation)
+                } else {
+                    0.0
+                };
                 if h < worst.0 {
                     worst = (h, (k, c));
                 }
             }
         }
         let (h, (k, c)) = worst;
-        let never = h <= 0.0;
+        // Rates beyond all numbers are those of a body, not of a scheme.
+        let never = h <= 0.0 && k.is_finite() && c.is_finite();
         let share = |k: f64, c: f64| h * k + 2.0 * c;
         let most = never || share(elastic.largest, viscous.largest) > 0.5 * share(k, c);
         let step = StableStep {
@@ -248,6 +254,8 @@ impl<S: Scalar> Solver<S> {
     /// neighbours swing against each other.
     fn most_strained(&self, state: &State<S>, (k, c): (f64, f64)) -> Option<u32> {
         let h = stable::leapfrog(k, c);
+        // Of rates beyond all numbers the stiffness counts.
+        let h = if h > 0.0 { h } else { 1.0 };
         let mut most = (0.0, None);
         for (i, link) in (0..).zip(&self.table.links) {
             let swing = |node: u32| state.particles[node as usize].sound_swing().f64();

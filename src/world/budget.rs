@@ -44,13 +44,14 @@ impl Deformable {
             Substeps::Unchecked(_) => return Ok(()),
         };
         let integrator = self.integrator().name();
+        let is_short = stable.h <= 0.0 || stable.h < min_h;
         match (stable.spring, stable.element) {
             (Some(spring), _) if stable.never => {
                 Err(BuildError::NeverStable { integrator, spring })
             }
             (_, Some(_)) if stable.never => Err(BuildError::NeverStableSolid { integrator }),
-            (Some(spring), _) if stable.h < min_h => Err(self.unstable(spring, stable.h, min_h)),
-            (_, Some(tet)) if stable.h < min_h => Err(self.unstable_tet(tet, stable.h, min_h)),
+            (Some(spring), _) if is_short => Err(self.unstable(spring, stable.h, min_h)),
+            (_, Some(tet)) if is_short => Err(self.unstable_tet(tet, stable.h, min_h)),
             _ => Ok(()),
         }
     }
@@ -110,11 +111,12 @@ impl Deformable {
     fn substeps_of(&self, stable: &StableStep, dt: f64, frame: f64) -> (usize, bool) {
         let count = |h: f64| ((dt / h).ceil() as usize).max(1);
         let share = |n: usize| ((n as f64 * dt / frame).round() as usize).max(1);
+        let never = stable.never || stable.h <= 0.0;
         match self.substeps() {
             // A scheme that became unstable at every substep, or a budget that lost its bounds, after insertion: no number
             // is right, so a moderate one is taken and reported.
             Substeps::Auto { safety, min_h }
-                if stable.never || safety.is_nan() || safety <= 0.0 || min_h.is_nan() =>
+                if never || safety.is_nan() || safety <= 0.0 || min_h.is_nan() =>
             {
                 (count(1e-4), true)
             }
@@ -123,8 +125,8 @@ impl Deformable {
                 (n, dt / n as f64 > stable.h * (1.0 + 1e-9))
             }
             Substeps::Fixed(n) => {
-                let needed = if stable.never { 0 } else { count(stable.h) };
-                (share(n).max(needed), share(n) < needed)
+                let needed = if never { 0 } else { count(stable.h) };
+                (share(n).max(needed), never || share(n) < needed)
             }
             Substeps::Unchecked(n) => (share(n), dt / share(n) as f64 > stable.h),
         }

@@ -2,16 +2,17 @@
 
 use super::Deformable;
 use super::substep::{Group, Members, Settings};
+use super::work::node_work;
 use crate::coupling::observe::Answer;
 use crate::law::row::{pull_back, push_out};
-use crate::math::DVec3;
-use crate::solve::rows::{RowNode, Term, Terms};
+use crate::math::{DMat3, DVec3};
+use crate::solve::rows::{RowNode, Rows, Term, Terms};
 
 impl Group {
     /// Mends depth, creep of what sticks, and errors of ties at position level, on the nodes alone, which gives nothing any
     /// velocity. Ties are mended in full, and at a limited rate only while something moved from outside is on its way
     /// back. What that changes in stored energy is booked; the angular momentum that a moved node loses goes to the body
-    /// it is moved out of, if nothing but contacts holds that.
+    /// it is moved out of, if nothing but contacts holds that, and between deformables to the nodes of the row.
     pub fn push_out(&mut self, h: f64, s: &Settings) {
         let Self {
             rows,
@@ -21,7 +22,8 @@ impl Group {
             attachments,
             ..
         } = self;
-        let mut mend = |terms: Terms, shadow: u32, by: DVec3| {
+        let mut mend = |members: &mut Members, rows: &Rows, what: (Terms, u32), by: DVec3| {
+            let (terms, shadow) = what;
             let lost = displace(members, &rows.nodes, rows.terms_of(terms), by);
             if (shadow as usize)
                 .checked_sub(1)
@@ -36,8 +38,10 @@ impl Group {
                     shadow.take_late();
                 }
             }
+            lost
         };
-        for row in &rows.contacts {
+        for i in 0..rows.contacts.len() {
+            let row = &rows.contacts[i];
             let mut by = DVec3::ZERO;
             if row.depth > 0.0 && row.softness == 0.0 && row.lift.speed == 0.0 {
                 by += row.normal * push_out(row.depth, h, s.push_out);
@@ -45,8 +49,13 @@ impl Group {
             if row.drift != DVec3::ZERO && row.sticks() {
                 by -= row.drift * pull_back(h);
             }
-            if by != DVec3::ZERO {
-                mend(row.terms, row.shadow, by);
+            if by == DVec3::ZERO {
+                continue;
+            }
+            let lost = mend(members, rows, (row.terms, row.shadow), by);
+            if row.between {
+                let terms = &rows.terms[row.terms.range()];
+                turn(members, &mut rows.nodes, terms, lost, h);
             }
         }
         for tie in rows.ties.iter().filter(|t| t.softness == 0.0) {
@@ -54,9 +63,52 @@ impl Group {
             if length > 0.0 {
                 let loose = attachments[tie.attachment as usize].bond.loose;
                 let most = if loose { s.push_out * h } else { length };
-                mend(tie.terms, tie.shadow, -towards(tie.error, length.min(most)));
+                let by = -towards(tie.error, length.min(most));
+                mend(members, rows, (tie.terms, tie.shadow), by);
             }
         }
+    }
+}
+
+/// Turns the nodes of a row about the centre of their mass, all by one rotation, so that they have that much more angular
+/// momentum, and books the work. None of those that are held, nor of those on a line: they can't take it.
+fn turn(members: &mut Members, nodes: &mut [RowNode], terms: &[Term], lost: DVec3, h: f64) {
+    let of = |t: &Term| &nodes[t.node as usize];
+    let is_held = |t: &Term| of(t).inv_mass == 0.0 || t.share != t.weight;
+    if lost == DVec3::ZERO || terms.iter().any(is_held) {
+        return;
+    }
+    let (mut mass, mut center, mut square) = (0.0, DVec3::ZERO, DMat3::ZERO);
+    let first = members[of(&terms[0]).body as usize].1.state.origin;
+    let place = |members: &Members, node: &RowNode| {
+        let state = &members[node.body as usize].1.state;
+        state.local(node.node as usize) + (state.origin - first)
+    };
+    for node in terms.iter().map(of) {
+        let (m, x) = (1.0 / node.inv_mass, place(members, node));
+        mass += m;
+        center += x * m;
+        square += DMat3::from_cols(x * x.x, x * x.y, x * x.z) * m;
+    }
+    center /= mass;
+    let c = center * mass;
+    let square = square - DMat3::from_cols(c * center.x, c * center.y, c * center.z);
+    let trace = square.x_axis.x + square.y_axis.y + square.z_axis.z;
+    let inertia = DMat3::from_diagonal(DVec3::splat(trace)) - square;
+    if inertia.determinant() <= ON_A_LINE * trace.powi(3) {
+        return;
+    }
+    let spin = inertia.inverse() * lost;
+    for term in terms {
+        let node = &mut nodes[term.node as usize];
+        let change = spin.cross(place(members, node) - center);
+        node.v += change;
+        let impulse = change / node.inv_mass;
+        let (mean, work) = node_work(members, node, impulse);
+        work.push_out -= impulse.dot(mean);
+        members[node.body as usize]
+            .1
+            .turn(node.node as usize, change, h);
     }
 }
 
@@ -65,7 +117,20 @@ fn towards(v: DVec3, length: f64) -> DVec3 {
     v * (length / v.length())
 }
 
+/// The inertia of nodes on a line, over that of as many in a ball, about which they turn by nothing.
+const ON_A_LINE: f64 = 1e-4;
+
 impl Deformable {
+    /// Changes the velocity of a node at the end of a substep of h s.
+    fn turn(&mut self, node: usize, change: DVec3, h: f64) {
+        if self.integrator().takes_late_impulses() {
+            self.solver.kick(&mut self.state, node, change, h);
+        } else {
+            let v = self.state.velocity(node) + change;
+            self.state.set_velocity(node, v);
+        }
+    }
+
     /// Elastic forces grow while nodes are moved against them: now that they are known at the places where these were
     /// moved to, the other half of the trapezoid is booked.
     pub(super) fn book_moved_out(&mut self) {

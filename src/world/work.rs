@@ -25,9 +25,11 @@ impl Group {
             let along = row.normal * row.normal_impulse;
             for term in terms {
                 let node = &self.rows.nodes[term.node as usize];
-                let (mean, work) = node_work(&mut self.members, node, impulse * term.share);
+                let part = row.part(term, impulse);
+                let (mean, work) = node_work(&mut self.members, node, part);
                 work.contact_normal -= term.share * along.dot(mean - meeting);
                 work.contact_friction -= term.share * row.friction_impulse.dot(mean - meeting);
+                work.contact_friction -= (part - impulse * term.share).dot(mean);
                 work.rigid += term.share * impulse.dot(meeting);
             }
             let pair = row.pair as usize;
@@ -74,7 +76,7 @@ impl Group {
                     deformable: self.members[node.body as usize].0,
                     node: NodeId(node.node),
                     partner: self.pairs[pair].partner,
-                    impulse: impulse * term.share,
+                    impulse: row.part(term, impulse),
                 }
             }));
         }

@@ -9,6 +9,7 @@
 
 mod apart;
 pub mod edge;
+mod levers;
 pub mod manners;
 pub mod node;
 pub mod outline;

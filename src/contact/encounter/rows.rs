@@ -3,6 +3,7 @@
 use super::Encounter;
 use super::apart::Apart;
 use super::edge;
+use super::levers;
 use super::node::{Found, Query};
 use super::posed::Posed;
 use super::touch::{Touch, Touches};
@@ -22,9 +23,9 @@ pub struct Bodies<'a> {
     pub slots: [&'a mut [u32]; 2],
 }
 
-/// A row to be: a node of which body and its weight, the touch and where it stands.
+/// A row to be: a node of which body, its weight and its lever, the touch and where it stands.
 struct Draft {
-    terms: [(usize, u32, f64); 4],
+    terms: [(usize, u32, f64, DVec3); 4],
     touch: Touch,
     depth: f64,
     drift: DVec3,
@@ -33,7 +34,7 @@ struct Draft {
 impl Draft {
     /// Relative velocity of the points \[m/s\].
     fn velocity(&self, bodies: &Bodies) -> DVec3 {
-        let velocity = |&(body, node, weight): &(usize, u32, f64)| {
+        let velocity = |&(body, node, weight, _): &(usize, u32, f64, DVec3)| {
             bodies.posed[body].state.velocity(node as usize) * weight
         };
         self.terms.iter().map(velocity).sum()
@@ -123,11 +124,15 @@ impl Encounter {
         let drift = held.map_or(DVec3::ZERO, |(e, w)| query.x - query.other.point(e, w));
         let here = (depth >= -reach.touching).then_some((found.element, found.weights));
         let corners = query.other.outline.elements[found.element as usize];
-        let corner = |k: usize| (other, corners[k], -query.sign * found.weights[k]);
+        let places = query.other.corners(found.element);
+        let way = query.x - query.other.point(found.element, found.weights);
+        let levers = levers::of_face(places, found.normal, way.dot(found.normal));
+        let corner = |k: usize| (other, corners[k], -query.sign * found.weights[k], levers[k]);
+        let node = (own, node, query.sign, DVec3::ZERO);
         Draft {
-            terms: [(own, node, query.sign), corner(0), corner(1), corner(2)],
+            terms: [node, corner(0), corner(1), corner(2)],
             touch: Touch {
-                own: node,
+                own: node.1,
                 other: found.element,
                 normal,
                 anchor: held.or(here),
@@ -205,8 +210,14 @@ impl Encounter {
         let here = (depth >= -reach.touching).then_some((pair[1], [s, t, 0.0]));
         let [a0, a1] = a.outline.edges[pair[0] as usize].nodes;
         let [b0, b1] = b.outline.edges[pair[1] as usize].nodes;
+        let [to_a, to_b] = levers::of_edges(a.ends(pair[0]), b.ends(pair[1]), found);
         Draft {
-            terms: [(0, a0, 1.0 - s), (0, a1, s), (1, b0, t - 1.0), (1, b1, -t)],
+            terms: [
+                (0, a0, 1.0 - s, -to_a),
+                (0, a1, s, to_a),
+                (1, b0, t - 1.0, -to_b),
+                (1, b1, -t, to_b),
+            ],
             touch: Touch {
                 own: pair[0],
                 other: pair[1],
@@ -219,8 +230,7 @@ impl Encounter {
         }
     }
 
-    /// Adds a row if it can matter in this substep. What has not arrived yet has no friction: over a distance it would be
-    /// a couple that turns both. The impulse of the arrival is carried over to the next substep, so that none is lost.
+    /// Adds a row if it can matter in this substep. What has not arrived yet has no friction. The impulse of the arrival is carried over to the next substep, so that none is lost.
     fn push(
         &self,
         draft: Draft,
@@ -235,8 +245,15 @@ impl Encounter {
             return;
         }
         let first = rows.terms.len();
-        for (body, point, weight) in draft.terms.into_iter().filter(|t| t.2 != 0.0) {
-            let part = (weight, self.manners.shares[body]);
+        // What dominates takes nothing, and so no part of a couple.
+        let levers = self.manners.shares == [1.0; 2];
+        let levers = levers && draft.terms.iter().any(|t| t.3 != DVec3::ZERO);
+        for (body, point, weight, lever) in draft.terms {
+            let lever = if levers { lever } else { DVec3::ZERO };
+            if weight == 0.0 && lever == DVec3::ZERO {
+                continue;
+            }
+            let part = (weight, self.manners.shares[body], lever);
             bodies.carriers[body].add_terms(point, part, bodies.slots[body], rows);
         }
         let terms = rows.merge_terms_since(first);
@@ -247,6 +264,7 @@ impl Encounter {
             shadow: 0,
             pair: self.pair,
             between: true,
+            levers,
             normal,
             depth,
             arm: DVec3::ZERO,

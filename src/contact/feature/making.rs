@@ -222,7 +222,7 @@ impl Making<'_, '_> {
             .found(key, rows.contacts.len(), point.normal, hold);
         let first = rows.terms.len();
         for (&i, weight) in point.nodes.iter().zip(point.weights) {
-            let part = (weight, self.target.node_share);
+            let part = (weight, self.target.node_share, DVec3::ZERO);
             side.carrier.add_terms(i, part, slots, rows);
         }
         let terms = rows.merge_terms_since(first);

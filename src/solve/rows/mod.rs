@@ -58,7 +58,8 @@ pub struct RowNode {
     pub before: DVec3,
 }
 
-/// A node's part in a row: the row sees the point Σ weight · node, and node k takes the impulse share · j.
+/// A node's part in a row: the row sees the point Σ weight · node, and node k takes the impulse share · j. A row with levers
+/// adds n·(lever · j) to that, and the dual of it to the velocity, see [`Row::levers`].
 #[derive(Clone, Copy, Debug)]
 pub struct Term {
     /// Index into the row nodes.
@@ -68,6 +69,8 @@ pub struct Term {
     pub weight: f64,
     /// The weight again, or 0 for a body that dominates the other side and takes nothing.
     pub share: f64,
+    /// See [`Row::levers`].
+    pub lever: DVec3,
 }
 
 /// Where the terms of a row stand.
@@ -78,8 +81,9 @@ pub struct Terms {
 }
 
 impl Terms {
+    /// Which of all terms they are.
     #[inline(always)]
-    fn range(self) -> std::ops::Range<usize> {
+    pub fn range(self) -> std::ops::Range<usize> {
         self.first as usize..(self.first + self.count) as usize
     }
 }
@@ -159,13 +163,14 @@ impl Rows {
         self.blow = false;
     }
 
-    /// Adds a term: a row node, its weight, and how much of an impulse by that weight it takes.
+    /// Adds a term: a row node, its weight, how much of an impulse by that weight it takes, and its lever.
     #[inline(always)]
-    pub fn add_term(&mut self, node: u32, weight: f64, share: f64) {
+    pub fn add_term(&mut self, node: u32, weight: f64, share: f64, lever: DVec3) {
         self.terms.push(Term {
             node,
             weight,
             share: weight * share,
+            lever,
         });
     }
 
@@ -180,6 +185,7 @@ impl Rows {
             if let Some(known) = known {
                 known.weight += term.weight;
                 known.share += term.share;
+                known.lever += term.lever;
             } else {
                 self.terms[end] = term;
                 end += 1;
@@ -222,6 +228,7 @@ impl Rows {
             let point = points::velocity(&self.nodes, self.terms_of(terms));
             point - shadows[shadow as usize].velocity_at(arm)
         };
+        // Levers change nothing along the normal.
         let contacts = self.contacts.iter().map(|row| {
             let closing = -relative(row.terms, row.shadow, row.arm).dot(row.normal);
             closing + allowed_velocity(row.depth, h, 0.0)

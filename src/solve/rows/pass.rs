@@ -140,11 +140,13 @@ impl Pass<'_> {
             let shadow = &self.shadows[row.shadow as usize];
             let mut allowed = allowed_velocity(row.depth, self.h, row.softness);
             if shadow.w != DVec3::ZERO {
-                let relative = self.points.velocity(row.terms) - shadow.velocity_at(row.arm);
+                let relative = self.points.velocity_of(row) - shadow.velocity_at(row.arm);
                 allowed += turning(shadow.w, relative, row.arm, row.normal, self.h);
             }
             let own = self.points.response(row.terms);
-            let rigid = if self.worklist.moves(row.shadow) {
+            let rigid = if row.levers {
+                self.points.lever_response(row)
+            } else if self.worklist.moves(row.shadow) {
                 shadow.response_matrix(row.arm) * row.rigid_share
             } else {
                 DMat3::ZERO
@@ -239,7 +241,7 @@ impl Pass<'_> {
     fn relative(&self, i: usize) -> DVec3 {
         let row = &self.contacts[i];
         let shadow = &self.shadows[row.shadow as usize];
-        self.points.velocity(row.terms) - shadow.velocity_at(row.arm)
+        self.points.velocity_of(row) - shadow.velocity_at(row.arm)
     }
 
     /// Gives both sides of a row an impulse \[N·s\].
@@ -249,7 +251,7 @@ impl Pass<'_> {
             return;
         }
         let row = &self.contacts[i];
-        self.points.push(row.terms, impulse);
+        self.points.push_row(row, impulse);
         if self.worklist.moves(row.shadow) {
             self.shadows[row.shadow as usize].push(row.arm, -impulse * row.rigid_share);
         }

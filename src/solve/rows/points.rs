@@ -1,7 +1,7 @@
 //! The points that rows act on: weighted sums of nodes.
 
-use super::{RowNode, Term, Terms};
-use crate::math::DVec3;
+use super::{Row, RowNode, Term, Terms};
+use crate::math::{DMat3, DVec3};
 
 pub(super) struct Points<'a> {
     pub nodes: &'a mut [RowNode],
@@ -17,6 +17,42 @@ impl Points<'_> {
     #[inline(always)]
     pub fn velocity(&self, terms: Terms) -> DVec3 {
         velocity(self.nodes, self.terms_of(terms))
+    }
+
+    /// The velocity of a row's point \[m/s\].
+    #[inline(always)]
+    pub fn velocity_of(&self, row: &Row) -> DVec3 {
+        let mut v = self.velocity(row.terms);
+        if row.levers {
+            for term in self.terms_of(row.terms) {
+                v += term.lever * row.normal.dot(self.nodes[term.node as usize].v);
+            }
+        }
+        v
+    }
+
+    /// What levers add to the response of a row's point \[1/kg\].
+    pub fn lever_response(&self, row: &Row) -> DMat3 {
+        let mut k = DMat3::ZERO;
+        for term in self.terms_of(row.terms) {
+            let (w, l, n) = (term.weight, term.lever, row.normal);
+            let both = outer(l, n) + outer(n, l);
+            let each = both * w + outer(l, l);
+            k += each * self.nodes[term.node as usize].inv_mass;
+        }
+        k
+    }
+
+    /// Gives the nodes of a row an impulse \[N·s\].
+    #[inline(always)]
+    pub fn push_row(&mut self, row: &Row, impulse: DVec3) {
+        self.push(row.terms, impulse);
+        if row.levers {
+            for term in &self.terms[row.terms.range()] {
+                let node = &mut self.nodes[term.node as usize];
+                node.v += row.normal * (node.inv_mass * term.lever.dot(impulse));
+            }
+        }
     }
 
     /// Inverse of the mass felt at a point \[1/kg\].
@@ -42,6 +78,11 @@ impl Points<'_> {
             node.v += impulse * (node.inv_mass * term.share);
         }
     }
+}
+
+/// a bᵀ.
+fn outer(a: DVec3, b: DVec3) -> DMat3 {
+    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
 /// The velocity of a weighted sum of nodes \[m/s\].

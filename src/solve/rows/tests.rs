@@ -24,6 +24,7 @@ fn rows(friction: f64, depth: f64, arm: DVec3, v: DVec3) -> Rows {
         node: 0,
         weight: 1.0,
         share: 1.0,
+        lever: DVec3::ZERO,
     }]);
     rows.contacts.push(Row {
         depth,
@@ -41,6 +42,7 @@ fn row(terms: Terms) -> Row {
         shadow: 0,
         pair: 0,
         between: false,
+        levers: false,
         normal: DVec3::Y,
         depth: 0.0,
         arm: DVec3::ZERO,
@@ -317,6 +319,7 @@ fn what_is_settled_is_hardly_off() {
                 node,
                 weight: 0.5,
                 share: 0.5,
+                lever: DVec3::ZERO,
             };
             let terms = rows.add_terms([half(i), half(i + 1)]);
             rows.contacts.push(Row {

@@ -522,3 +522,28 @@ fn sides_of_attachments_come_and_go() {
     deformables.step(&mut world);
     assert_eq!(deformables.attachments().count(), 0);
 }
+
+/// Stiffness over mass beyond all numbers has no substep at all: it was taken for a body without a limit.
+#[test]
+fn rates_beyond_all_numbers_are_refused() {
+    let auto = Substeps::Auto {
+        safety: 0.9,
+        min_h: 0.0,
+    };
+    for substeps in [Substeps::default(), auto, Substeps::Fixed(10)] {
+        for integrator in [Integrator::SymplecticEuler, Integrator::Rk4] {
+            let net = lattice(Vector::splat(0.2), 0.1).unwrap();
+            let body = DeformableBuilder::new(net)
+                .material(Material::elastic(1e30, 1e-30))
+                .substeps(substeps)
+                .integrator(integrator);
+            let error = DeformableWorld::default()
+                .insert(body)
+                .expect_err("must be refused");
+            assert!(
+                matches!(error, BuildError::Unstable { needed_h: 0.0, .. }),
+                "{substeps:?} {integrator:?}: {error:?}"
+            );
+        }
+    }
+}

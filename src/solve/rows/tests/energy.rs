@@ -20,7 +20,7 @@ impl Dice {
 }
 
 /// Light nodes between two heavy bodies, which touch each other, and the fixed world; some rows are on faces of three nodes,
-/// some nodes are tied, and much is warm from a substep in which everything pressed otherwise.
+/// some of these with levers, some nodes are tied, and much is warm from a substep in which everything pressed otherwise.
 fn jam(dice: &mut Dice) -> (Rows, [Shadow; 3]) {
     let mut rows = Rows::default();
     let count = dice.range(1.0, 5.0) as u32;
@@ -38,21 +38,31 @@ fn jam(dice: &mut Dice) -> (Rows, [Shadow; 3]) {
             node: first,
             weight: 1.0,
             share: 1.0,
+            lever: DVec3::ZERO,
         };
         let term = |k: u32, weight: f64| Term {
             node: (first + k) % count,
             weight,
             share: weight,
+            lever: DVec3::ZERO,
         };
-        let face = [term(0, 0.5), term(1, 0.3), term(2, 0.2)];
+        let mut face = [term(0, 0.5), term(1, 0.3), term(2, 0.2)];
         let on_face = count >= 3 && dice.range(0.0, 1.0) < 0.4;
+        let out = if shadow == 0 { DVec3::Y } else { DVec3::NEG_Y };
+        let normal = (out + dice.vector(0.6)).normalize();
+        let levers = on_face && shadow == 0;
+        if levers {
+            let [a, b] = [dice.vector(0.5), dice.vector(0.5)];
+            let across = [a, b, -(a + b)].map(|l| l - normal * l.dot(normal));
+            for (term, lever) in face.iter_mut().zip(across) {
+                term.lever = lever;
+            }
+        }
         let terms = if on_face {
             rows.add_terms(face)
         } else {
             rows.add_terms([whole])
         };
-        let out = if shadow == 0 { DVec3::Y } else { DVec3::NEG_Y };
-        let normal = (out + dice.vector(0.6)).normalize();
         let warm = if on_face {
             dice.range(-20.0, 20.0).max(0.0)
         } else {
@@ -61,6 +71,7 @@ fn jam(dice: &mut Dice) -> (Rows, [Shadow; 3]) {
         rows.contacts.push(Row {
             shadow,
             normal,
+            levers,
             arm: dice.vector(0.3),
             friction: dice.range(0.0, 0.9),
             normal_impulse: warm,
@@ -75,6 +86,7 @@ fn jam(dice: &mut Dice) -> (Rows, [Shadow; 3]) {
             node: first,
             weight: 1.0,
             share: 1.0,
+            lever: DVec3::ZERO,
         }]);
         let tie = Tie {
             terms,
@@ -96,6 +108,7 @@ fn jam(dice: &mut Dice) -> (Rows, [Shadow; 3]) {
                 node: node % count,
                 weight: 0.5,
                 share: 0.5,
+                lever: DVec3::ZERO,
             };
             let terms = rows.add_terms([half(first), half(first + 1)]);
             rows.ties.push(Tie { terms, ..tie });
