@@ -248,3 +248,37 @@ pub fn target(
             .filter(|k| k.is_finite() && *k > 0.0),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vector;
+    use rapier3d::dynamics::RigidBodyBuilder;
+    use rapier3d::geometry::{ColliderBuilder, ColliderSet};
+
+    /// The bound of a hull that lies far from the origin of its collider left that out, and was too small by as much.
+    #[test]
+    fn no_point_is_beyond_the_extent() {
+        let corners = [Vector::ZERO, Vector::X, Vector::Y, Vector::Z];
+        let corners = corners.map(|c| c + Vector::new(3.0, 0.0, 0.0));
+        let (mut bodies, mut colliders) = (RigidBodySet::new(), ColliderSet::new());
+        let body = bodies.insert(RigidBodyBuilder::dynamic().additional_mass(1.0));
+        let hull = ColliderBuilder::convex_hull(&corners)
+            .expect("a hull")
+            .density(0.0);
+        let hull = colliders.insert_with_parent(hull, body, &mut bodies);
+        let surface = Surface::default();
+        let target = target(
+            hull,
+            &colliders[hull],
+            &bodies,
+            &surface,
+            &mut Forms::default(),
+        );
+        let target = target.expect("hulls are touched");
+        for corner in corners {
+            let far = corner.as_dvec3().length();
+            assert!(far <= target.extent, "{far} of {}", target.extent);
+        }
+    }
+}

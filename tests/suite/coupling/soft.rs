@@ -217,7 +217,9 @@ fn a_block_slides_on_a_tilted_block() {
     let expected = 9.81 * (angle.sin() - 0.2 * angle.cos());
     let [hard, soft] = [1e7, 1e6].map(sliding);
     println!("block accelerates at {hard}, {soft} of {expected} m/s²");
-    close("acceleration [m/s²]", hard, expected, 0.01);
+    // Bumps that friction pressed into soft surfaces by acting over a distance made it 3.2 % at 1 MPa.
+    close("acceleration at 10 MPa [m/s²]", hard, expected, 0.01);
+    close("acceleration at 1 MPa [m/s²]", soft, expected, 0.01);
 }
 
 #[test]
@@ -519,5 +521,40 @@ fn a_thickness_is_no_lever() {
         );
         assert!(l < 1e-5, "angular momentum off by {l:.1e}");
         assert!(energy < 1e-3, "energy off by {energy:.1e}");
+    }
+}
+
+/// What falls aslant on a sheet: another sheet, and a rope across its edge; both keep their distance.
+#[test]
+fn sheets_and_ropes_keep_their_angular_momentum() {
+    let rope = || {
+        let ends = [Vector::new(-0.1, 0.0, -0.4), Vector::new(0.1, 0.0, 0.4)];
+        DeformableBuilder::new(shape::rope(ends[0], ends[1], 9, 1e-4))
+            .material(Material::elastic(1.0e7, 1000.0).viscosity(1.0e4))
+    };
+    for (name, falling) in [("sheet", net(0.7, 8)), ("rope", rope())] {
+        let mut world = weightless(1.0 / 240.0);
+        let mut deformables = DeformableWorld::default();
+        let a = deformables.insert(net(1.0, 11).thickness(0.02)).unwrap();
+        let falling = falling
+            .thickness(0.02)
+            .translation(Vector::new(0.05, 0.1, 0.02))
+            .rotation(Rotation::from_scaled_axis(Vector::new(0.1, 0.4, 0.05)))
+            .linvel(Vector::new(1.5, -2.0, 0.7));
+        let b = deformables.insert(falling).unwrap();
+        let start = sums(&deformables).1;
+        let each: f64 = [a, b]
+            .map(|h| deformables[h].angular_momentum(DVec3::ZERO).length())
+            .iter()
+            .sum();
+        let kinetic = deformables[b].energies().kinetic;
+        let mut watch = Watch::default();
+        for _ in 0..60 {
+            deformables.step_with(&mut world, &(), &(), &mut watch);
+        }
+        assert!(watch.touched);
+        let l = (sums(&deformables).1 - start).length() / each;
+        println!("{name}: L {l:.1e}, lost {:.3} of {kinetic:.1}", watch.lost);
+        assert!(l < 1e-5, "{name}: angular momentum off by {l:.1e}");
     }
 }
