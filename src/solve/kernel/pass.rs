@@ -11,7 +11,7 @@ use crate::body::state::State;
 use crate::law::spring;
 use crate::solve::forces::{Forces, Happened, Lanes, LimitEvent};
 use crate::solve::springs::{Rows, SpringTable};
-use crate::solve::threads::{self, BLOCK, Work, parts, share};
+use crate::solve::threads::{BLOCK, Work, parts, share};
 
 /// Makes the rows of a body that is going to be moved, where they are wanted.
 pub(crate) fn make_rows(kernel: Kernel, table: &mut SpringTable<f32>, state: &State<f32>) {
@@ -61,16 +61,6 @@ pub(crate) fn spring_forces(
             run(kernel, copying)
         });
     }
-    let in_order = nodes.keeps_order();
-    if parts > 1 && !in_order {
-        let rows = LANES * layout.slices();
-        let [elastic, damping] = &mut sums.rows;
-        elastic.resize(rows, Default::default());
-        damping.resize(
-            if forces.damping.is_empty() { 0 } else { rows },
-            Default::default(),
-        );
-    }
     let limited = limits.as_mut().map(|limits| {
         let book = if parts > 1 {
             sums.log.prepare(layout, &limits.telling.lanes);
@@ -85,9 +75,8 @@ pub(crate) fn spring_forces(
         // There are places in columns for as many as there are.
         runs: layout.starts.of(&mirror.columns)?,
         mirrored: layout.mirrored.of(&mirror.columns)?,
-        out: match in_order {
+        out: match nodes.keeps_order() {
             true => Out::Rows([&mut forces.elastic, &mut forces.damping]),
-            false if parts > 1 => Out::Rows(sums.rows.each_mut().map(|rows| &mut rows[..])),
             false => Out::Places([
                 Some(layout.out.of_mut(&mut forces.elastic)?),
                 layout.out.of_mut(&mut forces.damping),
@@ -99,23 +88,6 @@ pub(crate) fn spring_forces(
         first: 0,
     };
     share(springs, parts, &|springs| run(kernel, springs));
-    if parts > 1 && !in_order {
-        for (sums, values) in sums
-            .rows
-            .iter()
-            .zip([&mut forces.elastic, &mut forces.damping])
-        {
-            let nodes = threads::Nodes {
-                first: 0,
-                values: &mut values[..],
-            };
-            share(nodes, parts, &|nodes| {
-                for (force, row) in nodes.values.iter_mut().zip(&layout.rows[nodes.first..]) {
-                    *force = sums[*row as usize];
-                }
-            });
-        }
-    }
     let mut happened = Happened::default();
     for (block, outcome) in sums.outcomes.iter().enumerate() {
         happened.plastic += outcome.happened.plastic;
@@ -149,14 +121,13 @@ struct Springs<'a> {
 enum Out<'a> {
     /// To rows in the order of slices, from those of the first block on.
     Rows([&'a mut [Lanes<f32>]; 2]),
-    /// To nodes all over the body, which only the whole of it may do.
+    /// To nodes all over the body.
     Places([Option<Writer<'a, Lanes<f32>>>; 2]),
 }
 
 impl Work for Springs<'_> {
     fn blocks(&self) -> usize {
-        let whole = matches!(self.out, Out::Places(_))
-            || matches!(&self.limited, Some(limited) if limited.is_whole());
+        let whole = matches!(&self.limited, Some(limited) if limited.is_whole());
         if whole { 1 } else { self.outcomes.len() }
     }
 
@@ -194,7 +165,17 @@ impl<'a> Out<'a> {
                 });
                 [Self::Rows([elastic, damping]), Self::Rows([others, rest])]
             }
-            whole => [whole, Self::Rows(Default::default())],
+            Self::Places(places) => {
+                let [elastic, damping] = places.map(|p| {
+                    let both = p.map(|p| p.cut(SLICES * at));
+                    both.map_or([None, None], |both| both.map(Some))
+                });
+                let ([elastic, others], [damping, rest]) = (elastic, damping);
+                [
+                    Self::Places([elastic, damping]),
+                    Self::Places([others, rest]),
+                ]
+            }
         }
     }
 

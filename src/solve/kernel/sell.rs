@@ -24,7 +24,6 @@ use super::regular;
 use super::telling::Telling;
 use super::vector::{LANES, Places, Starts, Wide};
 use crate::body::state::State;
-use crate::solve::forces::Lanes;
 use crate::solve::springs::{Limit, Link};
 use std::collections::HashMap;
 
@@ -51,8 +50,6 @@ pub struct Sell {
 pub(super) struct Sums {
     /// Of each block of slices.
     pub outcomes: Vec<Outcome>,
-    /// Elastic and damping forces by rows, where those are not in the order of nodes. Empty before threads have shared the body.
-    pub rows: [Vec<Lanes<f32>>; 2],
     /// Empty before threads have shared the body.
     pub log: Log,
 }
@@ -171,13 +168,7 @@ impl Sell {
         let regular = !l.regular.is_empty();
         *(if regular { &mut rare } else { &mut hot }) += l.far.bytes();
         rare += self.mirror.columns.bytes() + self.sums.log.bytes();
-        rare += size_of_val(&self.sums.outcomes[..])
-            + self
-                .sums
-                .rows
-                .iter()
-                .map(|r| size_of_val(&r[..]))
-                .sum::<usize>();
+        rare += size_of_val(&self.sums.outcomes[..]);
         if let Some(limits) = &self.limits {
             let by_slot = wide(&limits.rest) + size_of_val(&limits.ranges[..]);
             *(if regular { &mut rare } else { &mut hot }) += by_slot;
@@ -199,7 +190,7 @@ impl Layout {
             nodes,
             firsts: vec![0],
             own: Places::new(nodes)?,
-            out: Places::new(nodes + 1)?,
+            out: Places::distinct(nodes + 1)?,
             far: Places::new(nodes)?,
             starts: Starts::default(),
             mirrored: Starts::default(),

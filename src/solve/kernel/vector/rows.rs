@@ -4,6 +4,7 @@ use super::{LANES, Vector};
 use crate::body::state::Particle;
 use crate::solve::forces::Lanes;
 use crate::solve::stable::Rates;
+use std::marker::PhantomData;
 use std::ops::Range;
 
 /// A row of `f32` and nothing else.
@@ -56,6 +57,8 @@ pub struct Places {
     offsets: Vec<Offsets>,
     /// Every offset is that of one of so many rows.
     rows: usize,
+    /// Of places to write to, per row whether a slot has it. No two slots have the same then.
+    taken: Option<Vec<bool>>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -71,18 +74,30 @@ impl Places {
         (rows <= u32::MAX as usize / BYTES as usize).then_some(Self {
             offsets: Vec::new(),
             rows,
+            taken: None,
         })
     }
 
-    /// Adds rows, which must be there.
+    /// The same of which no two slots have the same row, so that slots can be written at once.
+    pub fn distinct(rows: usize) -> Option<Self> {
+        let places = Self::new(rows)?;
+        let taken = Some(vec![false; rows]);
+        Some(Self { taken, ..places })
+    }
+
+    /// Adds rows, which must be there, and not in another slot where those are distinct.
     pub fn push(&mut self, rows: [u32; LANES]) {
         assert!(rows.iter().all(|&r| (r as usize) < self.rows));
+        if let Some(taken) = &mut self.taken {
+            assert!(rows.iter().all(|&r| !taken[r as usize]));
+            rows.iter().for_each(|&r| taken[r as usize] = true);
+        }
         self.offsets.push(Offsets(rows.map(|r| r * BYTES)));
     }
 
-    /// Puts another row, which must be there, in a lane.
+    /// Puts another row, which must be there, in a lane of slots that are not distinct.
     pub fn set(&mut self, slot: usize, lane: usize, row: usize) {
-        assert!(row < self.rows);
+        assert!(row < self.rows && self.taken.is_none());
         self.offsets[slot].0[lane] = row as u32 * BYTES;
     }
 
@@ -94,7 +109,8 @@ impl Places {
 
     /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.offsets[..])
+        let taken = self.taken.as_deref().unwrap_or_default();
+        size_of_val(&self.offsets[..]) + size_of_val(taken)
     }
 
     /// These places in a table; `None` if it has too few rows.
@@ -105,11 +121,12 @@ impl Places {
         })
     }
 
-    /// The same to write to.
+    /// The same to write to; `None` as well if slots are not distinct.
     pub fn of_mut<'a, R: Row>(&'a self, rows: &'a mut [R]) -> Option<Writer<'a, R>> {
-        (rows.len() >= self.rows).then_some(Writer {
+        (rows.len() >= self.rows && self.taken.is_some()).then_some(Writer {
             offsets: &self.offsets,
-            rows,
+            rows: rows.as_mut_ptr(),
+            borrowed: PhantomData,
         })
     }
 }
@@ -165,20 +182,32 @@ impl<R: Whole> Slot<'_, R> {
     }
 }
 
-/// Rows to write by [`Places`] that are all inside.
+/// Rows to write by [`Places`] that are all inside, no two slots the same ones.
 pub struct Writer<'a, R> {
     offsets: &'a [Offsets],
-    rows: &'a mut [R],
+    /// Of the places' table, as long as they ask for.
+    rows: *mut R,
+    borrowed: PhantomData<&'a mut [R]>,
 }
 
+// SAFETY: it writes rows that are borrowed for it, those of its own slots, which no other writer has (`Writer::cut`).
+unsafe impl<R: Row + Send> Send for Writer<'_, R> {}
+
 impl<R: Row> Writer<'_, R> {
+    /// The first so many slots, and the others.
+    pub fn cut(self, at: usize) -> [Self; 2] {
+        // Each slot goes to one of the two, and no two slots have the same row (`Places::distinct`).
+        let (first, rest) = self.offsets.split_at(at.min(self.offsets.len()));
+        [first, rest].map(|offsets| Self { offsets, ..self })
+    }
+
     /// Writes the first four numbers of the rows of a part of a slot. Where two lanes have one row the last counts.
     #[inline(always)]
     pub fn put<V: Vector>(&mut self, slot: usize, part: usize, columns: [V; 4]) {
-        let base = self.rows.as_mut_ptr().cast::<u8>();
+        let base = self.rows.cast::<u8>();
         let offsets = &self.offsets[slot].0[part * V::LANES..][..V::LANES];
         // SAFETY: as in `Slot::columns`, with rows of half as many bytes where they are halved (`Row`); they are borrowed for
-        // writing, and may hold any numbers.
+        // writing, by nobody else (see `cut`), and may hold any numbers.
         unsafe {
             V::put_columns(columns, |l| {
                 base.add((offsets[l] >> R::HALVED) as usize).cast::<f32>()
