@@ -1,7 +1,9 @@
 //! `check` and `test`: scene files held against the format, and against what they expect.
 
 use super::Failure;
-use crumple::scenario::file::{LoadError, LoadOptions, Scenario, embedded_names, scenes_in};
+use crumple::scenario::file::{
+    LoadError, LoadOptions, Scenario, embedded_names, nearest_embedded, scenes_in,
+};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -47,8 +49,10 @@ pub fn check(arguments: &CheckArguments) -> Result<(), Failure> {
                 ),
                 Err(failure) => problems.push(super::chain(&failure)),
             }
-        } else {
+        } else if scene.exists() {
             problems.extend(problem(scene, Scenario::load(scene, &options)));
+        } else {
+            problems.push(unknown(scene));
         }
     }
     match problems.is_empty() {
@@ -70,6 +74,16 @@ fn problem(name: &Path, loaded: Result<Scenario, LoadError>) -> Option<String> {
         }
         Err(problem) => Some(problem),
     }
+}
+
+/// What to say of what is neither a file nor a scene.
+fn unknown(scene: &Path) -> String {
+    let name = scene.display().to_string();
+    let near = nearest_embedded(&name).map(|n| format!("; did you mean `{n}`?"));
+    format!(
+        "there is no scene and no file `{name}`{}",
+        near.unwrap_or_default()
+    )
 }
 
 /// The scene files of a folder, of which there must be one.

@@ -187,6 +187,9 @@ fn folders_are_tested_and_files_checked() {
         "{}",
         text(&output.stderr)
     );
+    let output = crumple(&["check", "trampolin"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("did you mean `trampoline`?"), "{said}");
     let output = crumple(&["check", path, "wall"]);
     assert_eq!(output.status.code(), Some(2));
     let shown = text(&output.stdout);
