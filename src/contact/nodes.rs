@@ -7,7 +7,7 @@ use super::solid_nodes::SolidNodes;
 use super::soup_nodes::SoupNodes;
 use super::target::{Frame, Target};
 use crate::body::state::State;
-use crate::math::{DVec3, Real};
+use crate::math::Real;
 use crate::solve::rows::{Row, Rows};
 
 /// The nodes of one body near one target, and what is remembered of those that touch it.
@@ -120,7 +120,7 @@ impl Nodes {
 /// Adds the row of a node.
 pub fn add(i: u32, target: &Target, row: Row, site: &mut Site) {
     let first = site.rows.terms.len();
-    let whole = (1.0, target.node_share, DVec3::ZERO);
+    let whole = (1.0, target.node_share, None);
     let carrier = site.side.carrier;
     carrier.add_terms(i, whole, site.slots, site.rows);
     let terms = site.rows.terms_since(first);

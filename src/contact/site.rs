@@ -54,17 +54,18 @@ pub struct Carrier<'a> {
 }
 
 impl Carrier<'_> {
-    /// Adds the terms of a point of this weight, of whose impulse the body takes `share`, and of this lever.
+    /// Adds the terms of a point of this weight, of whose impulse the body takes `share`, and their levers if it has one.
     pub fn add_terms(
         &self,
         point: u32,
-        (weight, share, lever): (f64, f64, DVec3),
+        (weight, share, lever): (f64, f64, Option<DVec3>),
         slots: &mut [u32],
         rows: &mut Rows,
     ) {
         let mut add = |node: usize, part: f64| {
             let node = slot(self.body, node as u32, self.nodes, slots, rows);
-            rows.add_term(node, weight * part, share, lever * part);
+            rows.add_term(node, weight * part, share);
+            rows.levers.extend(lever.map(|lever| lever * part));
         };
         match self.bindings {
             None => add(point as usize, 1.0),

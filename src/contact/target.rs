@@ -148,7 +148,7 @@ impl Target {
             shadow: self.shadow,
             pair,
             between: false,
-            levers: false,
+            levers: None,
             normal: DVec3::ZERO,
             depth: 0.0,
             arm: DVec3::ZERO,

@@ -220,7 +220,6 @@ impl<D> Bond<D> {
                     node,
                     weight: part.weight,
                     share: part.weight,
-                    lever: DVec3::ZERO,
                 });
             }
             let arm = if between {

@@ -240,7 +240,8 @@ impl<S: Scalar> Solver<S> {
         // Rates beyond all numbers are those of a body, not of a scheme.
         let never = h <= 0.0 && k.is_finite() && c.is_finite();
         let share = |k: f64, c: f64| h * k + 2.0 * c;
-        let most = never || share(elastic.largest, viscous.largest) > 0.5 * share(k, c);
+        let endless = !(elastic.largest.is_finite() && viscous.largest.is_finite());
+        let most = never || endless || share(elastic.largest, viscous.largest) > 0.5 * share(k, c);
         let step = StableStep {
             h,
             spring: None,

@@ -152,8 +152,12 @@ impl Group {
                 self.rows.terms.push(Term { node, ..*term });
             }
             let terms = self.rows.terms_since(first);
+            let levers = others.levers_of(row);
+            let first = levers.map(|_| self.rows.levers.len() as u32);
+            self.rows.levers.extend(levers.into_iter().flatten());
             self.rows.contacts.push(Row {
                 terms,
+                levers: first,
                 ..row.fresh()
             });
         }

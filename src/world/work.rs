@@ -23,9 +23,8 @@ impl Group {
             };
             let impulse = row.impulse();
             let along = row.normal * row.normal_impulse;
-            for term in terms {
+            for (term, part) in self.rows.parts(row, impulse) {
                 let node = &self.rows.nodes[term.node as usize];
-                let part = row.part(term, impulse);
                 let (mean, work) = node_work(&mut self.members, node, part);
                 work.contact_normal -= term.share * along.dot(mean - meeting);
                 work.contact_friction -= term.share * row.friction_impulse.dot(mean - meeting);
@@ -68,7 +67,7 @@ impl Group {
             }
             let terms = self.rows.terms_of(row.terms);
             let ends = Ends::of(&self.rows.nodes, terms);
-            list.extend(terms.iter().map(|term| {
+            list.extend(self.rows.parts(row, impulse).map(|(term, impulse)| {
                 let node = &self.rows.nodes[term.node as usize];
                 // The nodes of the other deformable belong to the second pair.
                 let pair = row.pair as usize + usize::from(ends.sign(term) < 0.0);
@@ -76,7 +75,7 @@ impl Group {
                     deformable: self.members[node.body as usize].0,
                     node: NodeId(node.node),
                     partner: self.pairs[pair].partner,
-                    impulse: row.part(term, impulse),
+                    impulse,
                 }
             }));
         }

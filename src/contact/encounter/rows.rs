@@ -248,15 +248,16 @@ impl Encounter {
         // What dominates takes nothing, and so no part of a couple.
         let levers = self.manners.shares == [1.0; 2];
         let levers = levers && draft.terms.iter().any(|t| t.3 != DVec3::ZERO);
+        let levers = levers.then_some(rows.levers.len() as u32);
         for (body, point, weight, lever) in draft.terms {
-            let lever = if levers { lever } else { DVec3::ZERO };
-            if weight == 0.0 && lever == DVec3::ZERO {
+            let lever = levers.map(|_| lever);
+            if weight == 0.0 && lever.is_none_or(|l| l == DVec3::ZERO) {
                 continue;
             }
             let part = (weight, self.manners.shares[body], lever);
             bodies.carriers[body].add_terms(point, part, bodies.slots[body], rows);
         }
-        let terms = rows.merge_terms_since(first);
+        let terms = rows.merge_terms_since(first, levers);
         let (here, normal) = (depth >= -reach.touching, touch.normal);
         let stiffness = self.manners.stiffness;
         rows.contacts.push(Row {

@@ -222,10 +222,10 @@ impl Making<'_, '_> {
             .found(key, rows.contacts.len(), point.normal, hold);
         let first = rows.terms.len();
         for (&i, weight) in point.nodes.iter().zip(point.weights) {
-            let part = (weight, self.target.node_share, DVec3::ZERO);
+            let part = (weight, self.target.node_share, None);
             side.carrier.add_terms(i, part, slots, rows);
         }
-        let terms = rows.merge_terms_since(first);
+        let terms = rows.merge_terms_since(first, None);
         // Rows that share nodes converge slowly from nothing; those of single nodes do not share any.
         let (normal_impulse, friction_impulse) = self.touches.impulse(key);
         rows.contacts.push(Row {

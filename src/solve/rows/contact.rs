@@ -1,7 +1,7 @@
 //! A row of contact: what it is given, what it has done, and how the two sides answer.
 
+use super::Terms;
 use super::settled::Give;
-use super::{Term, Terms};
 use crate::law::row::{Lift, friction_impulse, normal_impulse};
 use crate::math::{DMat3, DVec3};
 
@@ -67,12 +67,12 @@ pub struct Row {
     pub pair: u32,
     /// Whether it lies between two deformables.
     pub between: bool,
-    /// Whether its terms have levers. Two deformables that keep a distance meet at one point, that of a node of the one or
+    /// Where the levers of its terms begin, if they have any. Two deformables that keep a distance meet at one point, that of a node of the one or
     /// half-way, not at the two points that are nearest: friction between those would be a couple, which turns both. An
     /// impulse j beside the nodes of a face is one on them and a couple: g·n·(∇w·j) on each, for a distance g along n and the
     /// weights w of the nodes as functions of place. These are the levers g·∇w; they sum to zero over the nodes of each side.
     /// The velocity there is that of the surface carried on by its rotation, Σ w·v + g·∇w·(n·v).
-    pub levers: bool,
+    pub levers: Option<u32>,
     /// From the collider, or the second deformable, to the outside.
     pub normal: DVec3,
     /// Signed depth, positive inside \[m\].
@@ -107,17 +107,6 @@ impl Row {
             friction_impulse: DVec3::ZERO,
             lift: Lift::default(),
             ..*self
-        }
-    }
-
-    /// What a node takes of an impulse on the point \[N·s\].
-    #[inline(always)]
-    pub fn part(&self, term: &Term, impulse: DVec3) -> DVec3 {
-        let part = impulse * term.share;
-        if self.levers {
-            part + self.normal * term.lever.dot(impulse)
-        } else {
-            part
         }
     }
 

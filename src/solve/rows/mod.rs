@@ -69,8 +69,6 @@ pub struct Term {
     pub weight: f64,
     /// The weight again, or 0 for a body that dominates the other side and takes nothing.
     pub share: f64,
-    /// See [`Row::levers`].
-    pub lever: DVec3,
 }
 
 /// Where the terms of a row stand.
@@ -126,6 +124,8 @@ pub struct Rows {
     pub nodes: Vec<RowNode>,
     /// Their terms, row after row.
     pub terms: Vec<Term>,
+    /// Levers of the terms of those rows that have any, see [`Row::levers`].
+    pub levers: Vec<DVec3>,
     /// Contacts, sorted by collider and node, and behind them those of what a blow has struck.
     pub contacts: Vec<Row>,
     /// Ties, sorted by attachment and node.
@@ -158,40 +158,49 @@ impl Rows {
     pub fn clear(&mut self) {
         self.nodes.clear();
         self.terms.clear();
+        self.levers.clear();
         self.contacts.clear();
         self.ties.clear();
         self.blow = false;
     }
 
-    /// Adds a term: a row node, its weight, how much of an impulse by that weight it takes, and its lever.
+    /// Adds a term: a row node, its weight, and how much of an impulse by that weight it takes.
     #[inline(always)]
-    pub fn add_term(&mut self, node: u32, weight: f64, share: f64, lever: DVec3) {
+    pub fn add_term(&mut self, node: u32, weight: f64, share: f64) {
         self.terms.push(Term {
             node,
             weight,
             share: weight * share,
-            lever,
         });
     }
 
-    /// The terms that have been added since there were `first`, those of the same node as one: a node feels a row once.
-    pub fn merge_terms_since(&mut self, first: usize) -> Terms {
+    /// The terms that have been added since there were `first`, those of the same node as one: a node feels a row once. `levers`
+    /// is where their levers begin, if they have any.
+    pub fn merge_terms_since(&mut self, first: usize, levers: Option<u32>) -> Terms {
         let mut end = first;
+        let behind = |i: usize| levers.map(|l| l as usize + i - first);
         for i in first..self.terms.len() {
             let term = self.terms[i];
+            let lever = behind(i).map(|i| self.levers[i]);
             let known = self.terms[first..end]
-                .iter_mut()
-                .find(|t| t.node == term.node);
-            if let Some(known) = known {
-                known.weight += term.weight;
-                known.share += term.share;
-                known.lever += term.lever;
+                .iter()
+                .position(|t| t.node == term.node);
+            let to = known.map_or(end, |k| first + k);
+            if known.is_some() {
+                self.terms[to].weight += term.weight;
+                self.terms[to].share += term.share;
             } else {
-                self.terms[end] = term;
+                self.terms[to] = term;
                 end += 1;
+            }
+            if let (Some(to), Some(lever)) = (behind(to), lever) {
+                let kept = known.map_or(DVec3::ZERO, |_| self.levers[to]);
+                self.levers[to] = kept + lever;
             }
         }
         self.terms.truncate(end);
+        self.levers
+            .truncate(behind(end).unwrap_or(self.levers.len()));
         self.terms_since(first)
     }
 
@@ -244,6 +253,21 @@ impl Rows {
         self.terms_of(row.terms).iter().map(|t| {
             let node = &self.nodes[t.node as usize];
             (node.body, node.node, t.weight)
+        })
+    }
+
+    /// The levers of a row's terms, if it has any.
+    pub fn levers_of(&self, row: &Row) -> Option<&[DVec3]> {
+        points::levers(&self.levers, row)
+    }
+
+    /// What each node of a row takes of an impulse \[N·s\].
+    pub fn parts(&self, row: &Row, impulse: DVec3) -> impl Iterator<Item = (&Term, DVec3)> {
+        let terms = self.terms_of(row.terms).iter().enumerate();
+        let (levers, normal) = (self.levers_of(row), row.normal);
+        terms.map(move |(k, term)| {
+            let couple = levers.map_or(DVec3::ZERO, |l| normal * l[k].dot(impulse));
+            (term, impulse * term.share + couple)
         })
     }
 

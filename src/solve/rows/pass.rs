@@ -3,7 +3,7 @@
 use super::climb::Attempt;
 use super::composite::Composites;
 use super::contact::Response;
-use super::points::Points;
+use super::points::{self, Points};
 use super::rigid::start_rigid;
 use super::settled::{Give, Settled};
 use super::squeeze::{Held, Squeeze};
@@ -34,6 +34,7 @@ impl Rows {
         let points = Points {
             nodes: &mut self.nodes,
             terms: &self.terms,
+            levers: &self.levers,
         };
         self.composites.start(&points, &mut self.ties, shadows);
         shadows.iter_mut().for_each(Shadow::take_late);
@@ -144,8 +145,8 @@ impl Pass<'_> {
                 allowed += turning(shadow.w, relative, row.arm, row.normal, self.h);
             }
             let own = self.points.response(row.terms);
-            let rigid = if row.levers {
-                self.points.lever_response(row)
+            let rigid = if let Some(levers) = points::levers(self.points.levers, row) {
+                self.points.lever_response(row, levers)
             } else if self.worklist.moves(row.shadow) {
                 shadow.response_matrix(row.arm) * row.rigid_share
             } else {

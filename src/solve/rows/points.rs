@@ -6,6 +6,14 @@ use crate::math::{DMat3, DVec3};
 pub(super) struct Points<'a> {
     pub nodes: &'a mut [RowNode],
     pub terms: &'a [Term],
+    pub levers: &'a [DVec3],
+}
+
+/// The levers of a row's terms, if it has any.
+#[inline(always)]
+pub(super) fn levers<'a>(levers: &'a [DVec3], row: &Row) -> Option<&'a [DVec3]> {
+    let first = row.levers? as usize;
+    Some(&levers[first..][..row.terms.range().len()])
 }
 
 impl Points<'_> {
@@ -23,19 +31,19 @@ impl Points<'_> {
     #[inline(always)]
     pub fn velocity_of(&self, row: &Row) -> DVec3 {
         let mut v = self.velocity(row.terms);
-        if row.levers {
-            for term in self.terms_of(row.terms) {
-                v += term.lever * row.normal.dot(self.nodes[term.node as usize].v);
+        if let Some(levers) = levers(self.levers, row) {
+            for (term, lever) in self.terms_of(row.terms).iter().zip(levers) {
+                v += *lever * row.normal.dot(self.nodes[term.node as usize].v);
             }
         }
         v
     }
 
-    /// What levers add to the response of a row's point \[1/kg\].
-    pub fn lever_response(&self, row: &Row) -> DMat3 {
+    /// What its levers add to the response of a row's point \[1/kg\].
+    pub fn lever_response(&self, row: &Row, levers: &[DVec3]) -> DMat3 {
         let mut k = DMat3::ZERO;
-        for term in self.terms_of(row.terms) {
-            let (w, l, n) = (term.weight, term.lever, row.normal);
+        for (term, &l) in self.terms_of(row.terms).iter().zip(levers) {
+            let (w, n) = (term.weight, row.normal);
             let both = outer(l, n) + outer(n, l);
             let each = both * w + outer(l, l);
             k += each * self.nodes[term.node as usize].inv_mass;
@@ -47,10 +55,10 @@ impl Points<'_> {
     #[inline(always)]
     pub fn push_row(&mut self, row: &Row, impulse: DVec3) {
         self.push(row.terms, impulse);
-        if row.levers {
-            for term in &self.terms[row.terms.range()] {
+        if let Some(levers) = levers(self.levers, row) {
+            for (term, lever) in self.terms[row.terms.range()].iter().zip(levers) {
                 let node = &mut self.nodes[term.node as usize];
-                node.v += row.normal * (node.inv_mass * term.lever.dot(impulse));
+                node.v += row.normal * (node.inv_mass * lever.dot(impulse));
             }
         }
     }

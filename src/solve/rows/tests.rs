@@ -24,7 +24,6 @@ fn rows(friction: f64, depth: f64, arm: DVec3, v: DVec3) -> Rows {
         node: 0,
         weight: 1.0,
         share: 1.0,
-        lever: DVec3::ZERO,
     }]);
     rows.contacts.push(Row {
         depth,
@@ -42,7 +41,7 @@ fn row(terms: Terms) -> Row {
         shadow: 0,
         pair: 0,
         between: false,
-        levers: false,
+        levers: None,
         normal: DVec3::Y,
         depth: 0.0,
         arm: DVec3::ZERO,
@@ -319,7 +318,6 @@ fn what_is_settled_is_hardly_off() {
                 node,
                 weight: 0.5,
                 share: 0.5,
-                lever: DVec3::ZERO,
             };
             let terms = rows.add_terms([half(i), half(i + 1)]);
             rows.contacts.push(Row {

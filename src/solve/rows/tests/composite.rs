@@ -22,7 +22,6 @@ fn composite() -> (Rows, [Shadow; 3]) {
             node: i as u32,
             weight: 1.0,
             share: 1.0,
-            lever: DVec3::ZERO,
         }]);
         rows.ties.push(Tie {
             terms,

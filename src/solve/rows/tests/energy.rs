@@ -38,25 +38,21 @@ fn jam(dice: &mut Dice) -> (Rows, [Shadow; 3]) {
             node: first,
             weight: 1.0,
             share: 1.0,
-            lever: DVec3::ZERO,
         };
         let term = |k: u32, weight: f64| Term {
             node: (first + k) % count,
             weight,
             share: weight,
-            lever: DVec3::ZERO,
         };
-        let mut face = [term(0, 0.5), term(1, 0.3), term(2, 0.2)];
+        let face = [term(0, 0.5), term(1, 0.3), term(2, 0.2)];
         let on_face = count >= 3 && dice.range(0.0, 1.0) < 0.4;
         let out = if shadow == 0 { DVec3::Y } else { DVec3::NEG_Y };
         let normal = (out + dice.vector(0.6)).normalize();
-        let levers = on_face && shadow == 0;
-        if levers {
+        let levers = (on_face && shadow == 0).then_some(rows.levers.len() as u32);
+        if levers.is_some() {
             let [a, b] = [dice.vector(0.5), dice.vector(0.5)];
             let across = [a, b, -(a + b)].map(|l| l - normal * l.dot(normal));
-            for (term, lever) in face.iter_mut().zip(across) {
-                term.lever = lever;
-            }
+            rows.levers.extend(across);
         }
         let terms = if on_face {
             rows.add_terms(face)
@@ -86,7 +82,6 @@ fn jam(dice: &mut Dice) -> (Rows, [Shadow; 3]) {
             node: first,
             weight: 1.0,
             share: 1.0,
-            lever: DVec3::ZERO,
         }]);
         let tie = Tie {
             terms,
@@ -108,7 +103,6 @@ fn jam(dice: &mut Dice) -> (Rows, [Shadow; 3]) {
                 node: node % count,
                 weight: 0.5,
                 share: 0.5,
-                lever: DVec3::ZERO,
             };
             let terms = rows.add_terms([half(first), half(first + 1)]);
             rows.ties.push(Tie { terms, ..tie });
