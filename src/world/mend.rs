@@ -102,10 +102,16 @@ fn turn(members: &mut Members, nodes: &mut [RowNode], terms: &[Term], lost: DVec
     for term in terms {
         let node = &mut nodes[term.node as usize];
         let change = spin.cross(place(members, node) - center);
-        node.v += change;
         let impulse = change / node.inv_mass;
-        let (mean, work) = node_work(members, node, impulse);
-        work.push_out -= impulse.dot(mean);
+        let body = &mut members[node.body as usize].1;
+        if body.integrator().takes_late_impulses() {
+            node.v += change;
+            let (mean, work) = node_work(members, node, impulse);
+            work.push_out -= impulse.dot(mean);
+        } else {
+            let mean = body.state.velocity(node.node as usize) + 0.5 * change;
+            body.solver.work.push_out -= impulse.dot(mean);
+        }
         members[node.body as usize]
             .1
             .turn(node.node as usize, change, h);

@@ -17,7 +17,8 @@ impl Group {
             let shadow = &self.shadows[row.shadow as usize];
             let ends = Ends::of(&self.rows.nodes, terms);
             let meeting = if row.between {
-                0.5 * ends.mean_velocity(&self.members, terms)
+                let levers = self.rows.levers_of(row).map(|l| (l, row.normal));
+                0.5 * ends.mean_velocity(&self.members, terms, levers)
             } else {
                 0.5 * (shadow.velocity_before(row.arm) + shadow.velocity_at(row.arm))
             };
@@ -127,13 +128,20 @@ impl<'a> Ends<'a> {
         own.map(place).sum()
     }
 
-    /// The sum of the mean velocities of its points \[m/s\].
-    fn mean_velocity(&self, members: &Members, terms: &[Term]) -> DVec3 {
-        let velocity = |t: &Term| {
+    /// The sum of the mean velocities of its points, which levers along a normal carry on \[m/s\].
+    fn mean_velocity(
+        &self,
+        members: &Members,
+        terms: &[Term],
+        levers: Option<(&[DVec3], DVec3)>,
+    ) -> DVec3 {
+        let velocity = |(k, t): (usize, &Term)| {
             let node = self.node(t);
-            mean(&members[node.body as usize].1, node) * (t.weight * self.sign(t))
+            let v = mean(&members[node.body as usize].1, node);
+            let carried = levers.map_or(DVec3::ZERO, |(l, normal)| l[k] * normal.dot(v));
+            (v * t.weight + carried) * self.sign(t)
         };
-        terms.iter().map(velocity).sum()
+        terms.iter().enumerate().map(velocity).sum()
     }
 }
 

@@ -157,7 +157,10 @@ impl Pass<'_> {
                 own,
                 rigid,
                 mass: 0.0,
-                give: Give::of(self.points.give(row.terms), &rigid),
+                give: match row.levers {
+                    None => Give::of(self.points.give(row.terms), &rigid),
+                    Some(_) => Give::of(self.points.give_by_levers(row), &DMat3::ZERO),
+                },
             };
             row.response.mass = inverse(own + row.response.rigid_along(row.normal) + row.softness);
         }

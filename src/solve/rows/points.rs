@@ -79,6 +79,16 @@ impl Points<'_> {
         self.terms_of(terms).iter().map(give).fold(0.0, f64::max)
     }
 
+    /// The same of a row with levers.
+    pub fn give_by_levers(&self, row: &Row) -> f64 {
+        let levers = levers(self.levers, row).unwrap_or_default();
+        let terms = self.terms_of(row.terms).iter().zip(levers);
+        let give = |(t, l): (&Term, &DVec3)| {
+            (t.share.abs() + l.length()) * self.nodes[t.node as usize].inv_mass
+        };
+        terms.map(give).fold(0.0, f64::max)
+    }
+
     #[inline(always)]
     pub fn push(&mut self, terms: Terms, impulse: DVec3) {
         for term in &self.terms[terms.range()] {

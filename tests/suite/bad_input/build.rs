@@ -546,4 +546,11 @@ fn rates_beyond_all_numbers_are_refused() {
             );
         }
     }
+    let mesh = crumple::shape::tet_box(Vector::splat(0.2), 0.1, crumple::shape::TetSplit::Six);
+    let solid = Solid::new(1e30, 0.3, 1e-30);
+    let error = DeformableWorld::default()
+        .insert(DeformableBuilder::tets(mesh.unwrap(), solid))
+        .expect_err("must be refused");
+    let refused = matches!(error, BuildError::UnstableTet { .. });
+    assert!(refused, "{error:?}");
 }
