@@ -8,6 +8,9 @@ use crate::law::row::{pull_back, push_out};
 use crate::math::{DMat3, DVec3};
 use crate::solve::rows::{RowNode, Rows, Term, Terms};
 
+/// Nodes whose determinant of inertia is less than this, over the cube of Σ m·r² about their centre, count as lying on a line \[1\].
+const ON_A_LINE: f64 = 1e-4;
+
 impl Group {
     /// Mends depth, creep of what sticks, and errors of ties at position level, on the nodes alone, which gives nothing any
     /// velocity. Ties are mended in full, and at a limited rate only while something moved from outside is on its way
@@ -95,7 +98,8 @@ fn turn(members: &mut Members, nodes: &mut [RowNode], terms: &[Term], lost: DVec
     let square = square - DMat3::from_cols(c * center.x, c * center.y, c * center.z);
     let trace = square.x_axis.x + square.y_axis.y + square.z_axis.z;
     let inertia = DMat3::from_diagonal(DVec3::splat(trace)) - square;
-    if inertia.determinant() <= ON_A_LINE * trace.powi(3) {
+    let can_turn = inertia.determinant() > ON_A_LINE * trace.powi(3);
+    if !can_turn {
         return;
     }
     let spin = inertia.inverse() * lost;
@@ -112,9 +116,8 @@ fn turn(members: &mut Members, nodes: &mut [RowNode], terms: &[Term], lost: DVec
             let mean = body.state.velocity(node.node as usize) + 0.5 * change;
             body.solver.work.push_out -= impulse.dot(mean);
         }
-        members[node.body as usize]
-            .1
-            .turn(node.node as usize, change, h);
+        let body = &mut members[node.body as usize].1;
+        body.kick_at_end(node.node as usize, change, h);
     }
 }
 
@@ -123,12 +126,9 @@ fn towards(v: DVec3, length: f64) -> DVec3 {
     v * (length / v.length())
 }
 
-/// The inertia of nodes on a line, over that of as many in a ball, about which they turn by nothing.
-const ON_A_LINE: f64 = 1e-4;
-
 impl Deformable {
     /// Changes the velocity of a node at the end of a substep of h s.
-    fn turn(&mut self, node: usize, change: DVec3, h: f64) {
+    fn kick_at_end(&mut self, node: usize, change: DVec3, h: f64) {
         if self.integrator().takes_late_impulses() {
             self.solver.kick(&mut self.state, node, change, h);
         } else {

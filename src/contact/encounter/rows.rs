@@ -230,7 +230,8 @@ impl Encounter {
         }
     }
 
-    /// Adds a row if it can matter in this substep. What has not arrived yet has no friction. The impulse of the arrival is carried over to the next substep, so that none is lost.
+    /// Adds a row if it can matter in this substep. What has not arrived yet has no friction; the impulse of the arrival is
+    /// carried over to the next substep, so that none is lost.
     fn push(
         &self,
         draft: Draft,

@@ -217,7 +217,6 @@ fn a_block_slides_on_a_tilted_block() {
     let expected = 9.81 * (angle.sin() - 0.2 * angle.cos());
     let [hard, soft] = [1e7, 1e6].map(sliding);
     println!("block accelerates at {hard}, {soft} of {expected} m/s²");
-    // Bumps that friction pressed into soft surfaces by acting over a distance made it 3.2 % at 1 MPa.
     close("acceleration at 10 MPa [m/s²]", hard, expected, 0.01);
     close("acceleration at 1 MPa [m/s²]", soft, expected, 0.01);
 }
@@ -524,7 +523,7 @@ fn a_thickness_is_no_lever() {
     }
 }
 
-/// What falls aslant on a sheet: another sheet, and a rope across its edge; both keep their distance.
+/// What falls aslant on a sheet and keeps a distance: another sheet, a rope.
 #[test]
 fn sheets_and_ropes_keep_their_angular_momentum() {
     let rope = || {
