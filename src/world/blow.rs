@@ -34,7 +34,7 @@ impl Group {
     /// The rows of a substep: contacts and ties at the positions it starts from, and the contacts of what others strike.
     pub(super) fn find_rows(&mut self, h: f64, s: &Settings) {
         let closing = self.look(h, s);
-        self.find_ties(h, s.push_out);
+        self.find_ties(h);
         let unseen = if self.encounters.is_empty() {
             UNSEEN * s.length_unit
         } else {
@@ -62,7 +62,7 @@ impl Group {
             self.look(h, s);
             self.add_missing(&found, |_| true);
             self.add_missing(&tried, |row| row.normal_impulse > 0.0);
-            self.find_ties(h, s.push_out);
+            self.find_ties(h);
         }
     }
 

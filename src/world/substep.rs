@@ -131,6 +131,7 @@ impl Group {
         }
         self.rows.clear();
         self.rows.negligible = Negligible::of(h, s.length_unit);
+        self.rows.push_out = s.push_out;
         self.find_rows(h, s);
         for (_, body) in &mut self.members {
             body.predict(h);

@@ -110,7 +110,7 @@ impl Group {
     }
 
     /// Adds the ties of all attachments that hold.
-    pub(super) fn find_ties(&mut self, h: f64, push_out: f64) {
+    pub(super) fn find_ties(&mut self, h: f64) {
         let Self {
             members,
             shadows,
@@ -118,7 +118,6 @@ impl Group {
             rows,
             ..
         } = self;
-        rows.fastest_lift = push_out;
         for (i, a) in (0..).zip(attachments).filter(|(_, a)| !a.bond.is_broken()) {
             let shadow = (a.shadow, &shadows[a.shadow as usize]);
             let pair = match a.other {
@@ -142,7 +141,7 @@ impl Group {
             let first = rows.ties.len();
             a.pivot = a.bond.add_ties(i, h, shadow, own, other, rows);
             if !a.bond.is_link() {
-                rows.lead_to_held_nodes(first, push_out);
+                rows.lead_to_held_nodes(first, rows.push_out);
             }
         }
     }

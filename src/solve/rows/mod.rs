@@ -136,8 +136,8 @@ pub struct Rows {
     pub joints: Vec<JointRow>,
     /// Whether something strikes what rests, which takes more passes.
     pub blow: bool,
-    /// How fast bodies are lifted out of what nodes that they hold are in, at most \[m/s\].
-    pub fastest_lift: f64,
+    /// How fast points are moved out of what they are in, and bodies lifted that hold them, at most \[m/s\].
+    pub push_out: f64,
     /// What is settled.
     pub negligible: Negligible,
     squeeze: Squeeze,

@@ -13,13 +13,16 @@ use crate::law::row::{allowed_velocity, turning};
 use crate::math::{DMat3, DVec3, na};
 use crate::solve::shadow::Shadow;
 
-/// How many times as many passes rows get that hang together. A few substeps of a heap need them: where a heavy body
-/// presses a light sheet on soft foam, sixteen passes leave a metre per second that nothing stops.
-const PATIENCE: usize = 16;
+/// Passes over rows that hang together, per pass asked for, and those as long as anything sinks in: where a heavy body
+/// presses a light sheet on soft foam, sixteen leave it a metre per second. Few substeps of a heap need more.
+const COUPLED: usize = 4;
+const SINKING: usize = 64;
+/// What counts as sinking in, per speed at which it would be moved out: in a second it would be this deep, not deeper.
+const SINKS: f64 = 0.1;
 
 impl Rows {
-    /// Solves all rows in `passes` passes, or up to [`PATIENCE`] times as many where they hang together, stopping once a
-    /// pass changes nothing, and books the impulses to the shadows. `reversed` picks the order of the first pass.
+    /// Solves all rows in about `passes` passes, stopping once one changes nothing, and books the impulses to the shadows.
+    /// `reversed` picks the order of the first pass.
     pub fn solve(&mut self, shadows: &mut [Shadow], h: f64, passes: usize, reversed: bool) {
         let squeezed = self.contacts.len() + self.ties.len() > 1;
         if squeezed {
@@ -62,16 +65,19 @@ impl Rows {
             },
         };
         pass.prepare();
-        pass.prepare_lifts(self.fastest_lift);
+        pass.prepare_lifts(self.push_out);
         pass.follow_all();
         pass.start_shadows();
         pass.start_warm(&mut self.clusters);
         let most = if self.blow || pass.is_coupled() {
-            PATIENCE * passes
+            SINKING * passes
         } else {
             passes
         };
         for n in 0..most {
+            if n >= COUPLED * passes && !pass.sinks(SINKS * self.push_out) {
+                break;
+            }
             pass.settled.tolerance = if n < passes { 1e-9 } else { 1e-3 };
             let changed = if reversed == (n % 2 == 0) {
                 pass.solve_joints(true)
@@ -219,6 +225,11 @@ impl Pass<'_> {
             };
         }
         changed
+    }
+
+    /// Whether anything comes deeper at more than `fastest` m/s.
+    fn sinks(&self, fastest: f64) -> bool {
+        (0..self.contacts.len()).any(|i| self.missed(i) < -fastest)
     }
 
     fn is_squeezed(&self, i: usize) -> bool {

@@ -239,7 +239,7 @@ fn tie() -> Tie {
 fn pinned(depth: f64, v: DVec3, moves: f64) -> (Rows, [Shadow; 2]) {
     let mut rows = rows(0.0, depth, DVec3::ZERO, v);
     rows.nodes[0].inv_mass = 100.0;
-    rows.fastest_lift = 0.3;
+    rows.push_out = 0.3;
     let terms = rows.contacts[0].terms;
     rows.ties.push(Tie { terms, ..tie() });
     let body = Shadow {
