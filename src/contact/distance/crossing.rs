@@ -3,7 +3,8 @@
 //! The place where a signed distance is least along a segment is no help there: under a box that lies flush it is anywhere,
 //! and jumps. The crossing stays where it is, and has a normal perpendicular to both edges.
 
-use super::{Core, Solid, primitive};
+use super::rim::Rim;
+use super::{Core, Solid};
 use crate::contact::closest::between_segments;
 use crate::math::DVec3;
 
@@ -25,7 +26,7 @@ const LEAN: f64 = 0.05;
 
 impl Solid {
     /// Calls `found` for the crossings of the segment `a`–`b` \[m\] with the edges of a convex solid, in the order of the
-    /// edges; straight edges more than `within` m away may be left out. Balls and capsules have none, nor have the mantles
+    /// edges; what is more than `within` m away may be left out. Balls and capsules have none, nor have the mantles
     /// of cylinders and cones.
     pub fn for_each_crossing(
         &self,
@@ -69,28 +70,26 @@ impl Solid {
             Core::Cylinder(half_height, radius) => {
                 for side in [-1.0, 1.0] {
                     let cap = DVec3::Y * side;
-                    for root in rim_roots(a, b, *radius) {
-                        let rim = Rim {
-                            centre: cap * *half_height,
-                            radius: *radius,
-                            cap,
-                            slope: 0.0,
-                        };
-                        give(root.and_then(|t| rim.cross(a, b, t)));
-                    }
+                    let rim = Rim {
+                        centre: cap * *half_height,
+                        radius: *radius,
+                        cap,
+                        slope: 0.0,
+                    };
+                    let met = rim.meetings(a, b - a, within + self.radius);
+                    met.into_iter().for_each(&mut give);
                 }
             }
             Core::Cone(half_height, radius) => {
                 let height = 2.0 * half_height;
-                for root in rim_roots(a, b, *radius) {
-                    let rim = Rim {
-                        centre: DVec3::NEG_Y * *half_height,
-                        radius: *radius,
-                        cap: DVec3::NEG_Y,
-                        slope: radius / height.max(f64::MIN_POSITIVE),
-                    };
-                    give(root.and_then(|t| rim.cross(a, b, t)));
-                }
+                let rim = Rim {
+                    centre: DVec3::NEG_Y * *half_height,
+                    radius: *radius,
+                    cap: DVec3::NEG_Y,
+                    slope: radius / height.max(f64::MIN_POSITIVE),
+                };
+                let met = rim.meetings(a, b - a, within + self.radius);
+                met.into_iter().for_each(give);
             }
             Core::Point
             | Core::Segment(..)
@@ -189,49 +188,13 @@ fn cross([a, b]: [DVec3; 2], [p, q]: [DVec3; 2], normals: [DVec3; 2]) -> Option<
 }
 
 /// The unit normal along `c`, outward; `None` unless it lies between those of the faces.
-fn between(c: DVec3, [first, second]: [DVec3; 2]) -> Option<DVec3> {
+pub(super) fn between(c: DVec3, [first, second]: [DVec3; 2]) -> Option<DVec3> {
     let outward = c.dot(first + second);
     let n = c.try_normalize()? * 1.0_f64.copysign(outward);
     let (g, x, y) = (first.dot(second), n.dot(first), n.dot(second));
     // n = αn₁ + βn₂, for all three are perpendicular to the edge.
     let scale = 1.0 - g * g;
     (x - g * y >= -LEAN * scale && y - g * x >= -LEAN * scale && scale > 1e-6).then_some(n)
-}
-
-/// The edge between a cap and the mantle above it.
-struct Rim {
-    centre: DVec3,
-    radius: f64,
-    cap: DVec3,
-    /// Rise of the mantle's normal from the radial direction away from the cap.
-    slope: f64,
-}
-
-impl Rim {
-    /// The meeting of the segment `a`–`b` with the rim where it is as far from the axis, at `t`.
-    fn cross(&self, a: DVec3, b: DVec3, t: f64) -> Option<(f64, DVec3, f64)> {
-        let d = b - a;
-        let point = a + d * t;
-        let radial = primitive::radial(point).1;
-        let mantle = (radial - self.cap * self.slope).normalize();
-        let n = between(d.cross(DVec3::Y.cross(radial)), [self.cap, mantle])?;
-        let rim = self.centre + radial * self.radius;
-        Some((t, n, (point - rim).dot(n)))
-    }
-}
-
-/// Where the segment is at this distance from the y axis.
-fn rim_roots(a: DVec3, b: DVec3, radius: f64) -> [Option<f64>; 2] {
-    let d = b - a;
-    let square = d.x * d.x + d.z * d.z;
-    let half = a.x * d.x + a.z * d.z;
-    let rest = a.x * a.x + a.z * a.z - radius * radius;
-    let root = (half * half - square * rest).sqrt();
-    let inside = |t: f64| (t > 0.0 && t < 1.0).then_some(t);
-    [
-        inside((-half - root) / square),
-        inside((-half + root) / square),
-    ]
 }
 
 #[cfg(test)]

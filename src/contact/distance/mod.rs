@@ -16,6 +16,7 @@ mod line;
 mod planes;
 mod primitive;
 mod quickhull;
+mod rim;
 #[cfg(test)]
 mod tests;
 mod voxels;
