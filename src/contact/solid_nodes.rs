@@ -4,7 +4,7 @@ use super::distance::Solid;
 use super::nodes::add;
 use super::site::{Reach, Site};
 use super::target::{Frame, Target};
-use super::touches::{Hold, Touches, along};
+use super::touches::{Hold, Touch, Touches, along};
 use super::watch::Watch;
 use crate::body::state::State;
 use crate::math::{DVec3, Real};
@@ -106,15 +106,15 @@ impl Making<'_, '_> {
             return;
         }
         let key = [0, i, 0];
-        let last = self.touches.last(key);
-        let fresh = last.is_none_or(|(before, _)| normal.dot(before) < SAME);
+        let last = self.touches.last(key).copied();
+        let fresh = last.is_none_or(|touch| normal.dot(touch.normal) < SAME);
         if fresh && depth < site.reach.touching {
             let motion = frame.axes.transpose() * (slip + gain) * site.reach.h;
             if misses(solid, place, motion, -depth, normal, &site.reach) {
                 return;
             }
         }
-        if let Some((before, _)) = last
+        if let Some(Touch { normal: before, .. }) = last
             && depth > 0.0
             && normal.dot(before) < 0.0
             && let Some(back) = solid.depth_along(place, before)
@@ -122,17 +122,21 @@ impl Making<'_, '_> {
             // Squeezed past the middle of a thin solid: it goes back to where it came from.
             (depth, normal) = (target.skin + back, before);
         }
-        let hold = last.and_then(|(_, hold)| hold).unwrap_or(Hold {
+        let hold = last.and_then(|touch| touch.hold).unwrap_or(Hold {
             weights: [1.0, 0.0, 0.0, 0.0],
             anchor: place,
             drift: DVec3::ZERO,
         });
         self.touches
             .found(key, site.rows.contacts.len(), normal, hold);
+        let (normal_impulse, friction_impulse) =
+            last.map_or(Default::default(), |touch| touch.impulse);
         let row = Row {
             normal: frame.axes * normal,
             depth,
             arm,
+            normal_impulse,
+            friction_impulse,
             drift: frame.axes * along(place - hold.anchor, normal),
             ..target.row(Default::default(), self.pair, site.reach.h)
         };

@@ -184,7 +184,9 @@ impl SoupNodes {
                 if k == 0 {
                     let key = [i, 0, 0];
                     let last = self.touches.last(key);
-                    let hold = last.and_then(|(_, hold)| hold).unwrap_or(Hold {
+                    (row.normal_impulse, row.friction_impulse) =
+                        last.map_or(Default::default(), |touch| touch.impulse);
+                    let hold = last.and_then(|touch| touch.hold).unwrap_or(Hold {
                         weights: [1.0, 0.0, 0.0, 0.0],
                         anchor: place,
                         drift: DVec3::ZERO,

@@ -13,14 +13,16 @@ pub type Key = [u32; 3];
     feature = "serde-serialize",
     derive(serde::Serialize, serde::Deserialize)
 )]
-struct Touch {
+pub struct Touch {
     key: Key,
     /// Its row in the substep under way.
     row: u32,
-    normal: DVec3,
-    hold: Option<Hold>,
-    /// What the row ended with \[N·s\], in the world.
-    impulse: (f64, DVec3),
+    /// The normal it had.
+    pub normal: DVec3,
+    /// Where friction holds it.
+    pub hold: Option<Hold>,
+    /// What the row ended with \[N·s\], in the world: along its normal, and the friction.
+    pub impulse: (f64, DVec3),
 }
 
 /// Where friction took hold of a point: of what material point of the deformable, by the weights of its nodes, and where on
@@ -64,13 +66,12 @@ impl Touches {
         self.cursor = 0;
     }
 
-    /// The normal a point had when it last touched, and where friction holds it; keys ascend within a substep.
-    pub fn last(&mut self, key: Key) -> Option<(DVec3, Option<Hold>)> {
+    /// What is known of a point that touched last; keys ascend within a substep.
+    pub fn last(&mut self, key: Key) -> Option<&Touch> {
         while self.kept.get(self.cursor).is_some_and(|t| t.key < key) {
             self.cursor += 1;
         }
-        let touch = self.kept.get(self.cursor).filter(|t| t.key == key)?;
-        Some((touch.normal, touch.hold))
+        self.kept.get(self.cursor).filter(|t| t.key == key)
     }
 
     /// The normal that this point had when it last touched.
@@ -84,12 +85,6 @@ impl Touches {
         let normals = self.kept.iter().filter(|t| is(t.key)).map(|t| t.normal);
         let along = |n: &DVec3| n.dot(direction).abs();
         normals.max_by(|a, b| along(a).total_cmp(&along(b)))
-    }
-
-    /// What the row of this point ended with last \[N·s\].
-    pub fn impulse(&self, key: Key) -> (f64, DVec3) {
-        let i = self.kept.binary_search_by_key(&key, |t| t.key);
-        i.map_or(Default::default(), |i| self.kept[i].impulse)
     }
 
     /// Whether this point touched last.

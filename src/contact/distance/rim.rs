@@ -42,7 +42,8 @@ impl Rim {
                 continue;
             };
             let place = &mut found[usize::from(t > middle)];
-            if distance.abs() <= within && place.is_none_or(|known| distance.abs() < known.2.abs()) {
+            if distance.abs() <= within && place.is_none_or(|known| distance.abs() < known.2.abs())
+            {
                 *place = meeting;
             }
         }

@@ -20,6 +20,8 @@ pub struct Touch {
     pub anchor: Option<(u32, [f64; 3])>,
     /// Normal impulse of the arrival, which friction has not answered yet \[N·s\].
     pub carried: f64,
+    /// What its row ended with last \[N·s\]: along its normal, and the friction.
+    pub impulse: (f64, DVec3),
 }
 
 /// The touches of one kind, sorted by `own`.
@@ -84,6 +86,7 @@ impl Touches {
                 } else {
                     0.0
                 },
+                impulse: (row.normal_impulse, row.friction_impulse),
                 ..*touch
             });
         }

@@ -202,7 +202,10 @@ impl Making<'_, '_> {
         let touched = weigh(&point.weights, point.corners.iter().copied());
         let arm = self.arm(touched);
         let corners = || point.corners.iter().copied();
-        let held = self.touches.last(key).and_then(|(_, hold)| hold);
+        let last = self.touches.last(key);
+        let held = last.and_then(|touch| touch.hold);
+        let (normal_impulse, friction_impulse) =
+            last.map_or(Default::default(), |touch| touch.impulse);
         let drift = held.map_or(DVec3::ZERO, |h| {
             h.drift + weigh(&h.weights, corners()) - h.anchor
         });
@@ -226,8 +229,6 @@ impl Making<'_, '_> {
             side.carrier.add_terms(i, part, slots, rows);
         }
         let terms = rows.merge_terms_since(first, None);
-        // Rows that share nodes converge slowly from nothing; those of single nodes do not share any.
-        let (normal_impulse, friction_impulse) = self.touches.impulse(key);
         rows.contacts.push(Row {
             normal: self.frame.axes * point.normal,
             depth: point.depth,

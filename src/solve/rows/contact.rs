@@ -110,6 +110,11 @@ impl Row {
         }
     }
 
+    /// Has it begin with nothing.
+    pub fn cool(&mut self) {
+        (self.normal_impulse, self.friction_impulse) = (0.0, DVec3::ZERO);
+    }
+
     /// Impulse on the point so far \[N·s\].
     pub fn impulse(&self) -> DVec3 {
         self.normal * self.normal_impulse + self.friction_impulse

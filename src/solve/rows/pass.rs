@@ -30,6 +30,10 @@ impl Rows {
                 .find(self.nodes.len(), &self.contacts, &self.ties, &self.terms);
             self.held.clear();
             self.held.resize(self.contacts.len(), Held::default());
+            let alone = |row: &&mut Row| self.squeeze.stands_alone(row, &self.terms);
+            self.contacts.iter_mut().filter(alone).for_each(Row::cool);
+        } else {
+            self.contacts.iter_mut().for_each(Row::cool);
         }
         let rows = self.contacts.len() + self.ties.len() + self.rigid.len() + self.joints.len();
         self.worklist.start(self.nodes.len(), shadows, rows);

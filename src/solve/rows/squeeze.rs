@@ -38,6 +38,8 @@ pub(super) struct Squeeze {
     tie: Vec<u32>,
     /// Per row, whether a node of it has an own row that is another one.
     shared: Vec<bool>,
+    /// Per node, whether another deformable presses on it.
+    joined: Vec<bool>,
 }
 
 /// What the nodes of a row, held by their own rows, make of its impulse, as far as that has been asked for \[1/kg\].
@@ -62,10 +64,18 @@ impl Squeeze {
         self.first.resize(nodes, NONE);
         self.next.clear();
         self.next.resize(contacts.len(), NONE);
+        self.joined.clear();
+        self.joined.resize(nodes, false);
         for (i, row) in contacts.iter().enumerate().rev() {
-            if let [only] = &terms[row.terms.range()] {
+            let terms = &terms[row.terms.range()];
+            if let [only] = terms {
                 let first = &mut self.first[only.node as usize];
                 self.next[i] = std::mem::replace(first, i as u32);
+            }
+            if row.between {
+                terms
+                    .iter()
+                    .for_each(|t| self.joined[t.node as usize] = true);
             }
         }
         let mut shared = std::mem::take(&mut self.shared);
@@ -80,6 +90,11 @@ impl Squeeze {
     /// Whether a row shares a node with another row on that node alone.
     pub fn shares(&self, row: usize) -> bool {
         self.shared[row]
+    }
+
+    /// Whether a row has only one node, on which no other deformable presses: it needs no warm start.
+    pub fn stands_alone(&self, row: &Row, terms: &[Term]) -> bool {
+        matches!(&terms[row.terms.range()], [only] if !self.joined[only.node as usize])
     }
 
     /// The tie that acts on this node alone, one of them if there are several.
