@@ -126,7 +126,8 @@ impl Making<'_, '_> {
         if can_push(&flanks, -normal) && can_push(&edge.flanks(), normal) {
             let before = self.site.rows.contacts.len();
             let at = (t, normal, way.dot(normal));
-            let known = touched || last.is_some();
+            // It may have been known by another edge, as deep as that.
+            let known = (touched || last.is_some()).then_some(f64::INFINITY);
             self.across((key, known), (&nodes, &corners), at, self.deepest_point());
             if self.site.rows.contacts.len() > before {
                 // What touches may be deeper next time.
