@@ -75,7 +75,7 @@ pub struct DeformableParameters {
     /// which is the slow reference the coupling is measured against. Rapier is never stepped more often than that.
     pub max_rigid_dt: f64,
     /// Gauss–Seidel passes over the rows of a substep: up to 4 times as many over those that hang together, and 64 times as
-    /// many while anything sinks in at more than a tenth of [`Self::push_out_speed`].
+    /// many while anything sinks in at more than 3 % of [`Self::push_out_speed`].
     pub passes: usize,
     /// Speed at which penetrating nodes are moved out, in length units per second.
     pub push_out_speed: f64,

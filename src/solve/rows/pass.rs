@@ -17,8 +17,9 @@ use crate::solve::shadow::Shadow;
 /// presses a light sheet on soft foam, sixteen leave it a metre per second. Few substeps of a heap need more.
 const COUPLED: usize = 4;
 const SINKING: usize = 64;
-/// What counts as sinking in, per speed at which it would be moved out: in a second it would be this deep, not deeper.
-const SINKS: f64 = 0.1;
+/// What counts as sinking in, per speed at which points are moved out. What is squeezed between two bodies is moved out of
+/// both, and gives way to the softer one at a small part of that speed.
+const SINKS: f64 = 0.03;
 
 impl Rows {
     /// Solves all rows in about `passes` passes, stopping once one changes nothing, and books the impulses to the shadows.
