@@ -33,8 +33,8 @@ impl Rim {
         let middle = -(a.x * d.x + a.z * d.z) / flat;
         let mut found: [Option<(f64, DVec3, f64)>; 2] = [None; 2];
         for start in self.starts(a, d, middle, flat) {
-            let (way, _) = self.way(a + d * start);
-            if !(way.length() <= ASIDE * within) {
+            let far = self.way(a + d * start).0.length();
+            if far > ASIDE * within || far.is_nan() {
                 continue;
             }
             let meeting = self.nearest(a, d, start).and_then(|t| self.meet(a, d, t));
@@ -73,7 +73,7 @@ impl Rim {
             let around = d.x * d.x + d.z * d.z - outwards * outwards;
             let bend = along - self.radius * around / axis;
             // No minimum here, or no numbers.
-            if !(bend > 1e-9 * along) {
+            if bend <= 1e-9 * along || bend.is_nan() {
                 return None;
             }
             let step = way.dot(d) / bend;
