@@ -134,6 +134,11 @@ impl Pass<'_> {
         self.excess(i) - self.contacts[i].lift.speed
     }
 
+    /// Whether anything comes deeper at more than `fastest` m/s.
+    pub fn sinks(&self, fastest: f64) -> bool {
+        (0..self.contacts.len()).any(|i| self.missed(i) < -fastest)
+    }
+
     /// Gives a row other impulses.
     pub fn set_row(&mut self, i: usize, normal_impulse: f64, friction_impulse: DVec3) {
         let row = &mut self.contacts[i];

@@ -13,17 +13,18 @@ use crate::law::row::{allowed_velocity, turning};
 use crate::math::{DMat3, DVec3, na};
 use crate::solve::shadow::Shadow;
 
-/// Passes over rows that hang together, per pass asked for, and those as long as anything sinks in: where a heavy body
-/// presses a light sheet on soft foam, sixteen leave it a metre per second. Few substeps of a heap need more.
+/// Passes over rows that hang together, per pass asked for.
 const COUPLED: usize = 4;
+/// The same while anything sinks in, as foam does under a heavy body on a light sheet. Few substeps of a heap need more than
+/// [`COUPLED`].
 const SINKING: usize = 64;
 /// What counts as sinking in, per speed at which points are moved out. What is squeezed between two bodies is moved out of
 /// both, and gives way to the softer one at a small part of that speed.
 const SINKS: f64 = 0.03;
 
 impl Rows {
-    /// Solves all rows in about `passes` passes, stopping once one changes nothing, and books the impulses to the shadows.
-    /// `reversed` picks the order of the first pass.
+    /// Solves all rows in at most `passes` passes, or so many times as many where they need it, stopping once one changes
+    /// nothing, and books the impulses to the shadows. `reversed` picks the order of the first pass.
     pub fn solve(&mut self, shadows: &mut [Shadow], h: f64, passes: usize, reversed: bool) {
         let squeezed = self.contacts.len() + self.ties.len() > 1;
         if squeezed {
@@ -230,11 +231,6 @@ impl Pass<'_> {
             };
         }
         changed
-    }
-
-    /// Whether anything comes deeper at more than `fastest` m/s.
-    fn sinks(&self, fastest: f64) -> bool {
-        (0..self.contacts.len()).any(|i| self.missed(i) < -fastest)
     }
 
     fn is_squeezed(&self, i: usize) -> bool {

@@ -39,7 +39,7 @@ pub(super) struct Squeeze {
     /// Per row, whether a node of it has an own row that is another one.
     shared: Vec<bool>,
     /// Per node, whether another deformable presses on it.
-    joined: Vec<bool>,
+    pressed: Vec<bool>,
 }
 
 /// What the nodes of a row, held by their own rows, make of its impulse, as far as that has been asked for \[1/kg\].
@@ -64,8 +64,8 @@ impl Squeeze {
         self.first.resize(nodes, NONE);
         self.next.clear();
         self.next.resize(contacts.len(), NONE);
-        self.joined.clear();
-        self.joined.resize(nodes, false);
+        self.pressed.clear();
+        self.pressed.resize(nodes, false);
         for (i, row) in contacts.iter().enumerate().rev() {
             let terms = &terms[row.terms.range()];
             if let [only] = terms {
@@ -75,7 +75,7 @@ impl Squeeze {
             if row.between {
                 terms
                     .iter()
-                    .for_each(|t| self.joined[t.node as usize] = true);
+                    .for_each(|t| self.pressed[t.node as usize] = true);
             }
         }
         let mut shared = std::mem::take(&mut self.shared);
@@ -92,9 +92,10 @@ impl Squeeze {
         self.shared[row]
     }
 
-    /// Whether a row has only one node, on which no other deformable presses: it needs no warm start.
+    /// Whether a row has only one node, on which no other deformable presses: it needs no warm start. With one beside those of
+    /// faces, a ball that rolls to and fro over nodes gains by it.
     pub fn stands_alone(&self, row: &Row, terms: &[Term]) -> bool {
-        matches!(&terms[row.terms.range()], [only] if !self.joined[only.node as usize])
+        matches!(&terms[row.terms.range()], [only] if !self.pressed[only.node as usize])
     }
 
     /// The tie that acts on this node alone, one of them if there are several.

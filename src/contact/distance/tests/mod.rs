@@ -3,6 +3,7 @@
 mod degenerate;
 mod lines;
 mod reference;
+mod rims;
 mod timing;
 
 use super::Solid;
