@@ -19,8 +19,6 @@ pub struct Touch {
     row: u32,
     /// The normal it had.
     pub normal: DVec3,
-    /// How deep it was \[m\].
-    depth: f64,
     /// Where friction holds it.
     pub hold: Option<Hold>,
     /// What the row ended with \[N·s\], in the world: along its normal, and the friction.
@@ -89,12 +87,6 @@ impl Touches {
         normals.max_by(|a, b| along(a).total_cmp(&along(b)))
     }
 
-    /// How deep this point was when it last touched \[m\].
-    pub fn depth(&self, key: Key) -> Option<f64> {
-        let i = self.kept.binary_search_by_key(&key, |t| t.key);
-        i.ok().map(|i| self.kept[i].depth)
-    }
-
     /// Whether this point touched last.
     pub fn touched(&self, key: Key) -> bool {
         self.kept.binary_search_by_key(&key, |t| t.key).is_ok()
@@ -131,7 +123,6 @@ impl Touches {
             key,
             row: row as u32,
             normal,
-            depth: 0.0,
             hold: Some(hold),
             impulse: Default::default(),
         });
@@ -147,7 +138,6 @@ impl Touches {
             if pressed || row.depth >= -touching {
                 self.kept.push(Touch {
                     hold: touch.hold.filter(|_| !pressed || row.sticks()),
-                    depth: row.depth,
                     impulse: (row.normal_impulse, row.friction_impulse),
                     ..*touch
                 });

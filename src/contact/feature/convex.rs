@@ -229,8 +229,8 @@ impl Making<'_, '_> {
             }
             let at = (c.t, c.normal, c.distance);
             let key = [p, e, c.edge];
-            let last = self.touches.depth(key);
-            self.across((key, last), (&nodes, &corners), at, deepest);
+            let known = self.touches.touched(key);
+            self.across((key, known), (&nodes, &corners), at, deepest);
         };
         part.solid.for_each_crossing(a, b, most, &mut cross);
         let mut side = f64::INFINITY;

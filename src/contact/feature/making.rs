@@ -106,12 +106,11 @@ impl Making<'_, '_> {
         })
     }
 
-    /// The row of an edge of the deformable that meets one of the target at `t` of its length, unless it is too far or
-    /// deeper than it can have come within the substep. It was `last` m deep if it is known to touch: what seems to have come
-    /// deeper is another place of the same two edges.
+    /// The row of an edge of the deformable that meets one of the target at `t` of its length, unless it is too far or, for
+    /// what is not `known` to touch, too deep.
     pub(super) fn across(
         &mut self,
-        (key, last): (Key, Option<f64>),
+        (key, known): (Key, bool),
         (nodes, corners): (&[u32; 2], &[DVec3; 2]),
         (t, normal, distance): (f64, DVec3, f64),
         deepest: f64,
@@ -122,7 +121,7 @@ impl Making<'_, '_> {
         }
         let weights = [1.0 - t, t, 0.0, 0.0];
         let reach = self.site.reach.at(self.closing(nodes, corners, &weights));
-        if depth >= -reach && depth <= last.unwrap_or(0.0).max(0.0) + reach {
+        if depth >= -reach && (known || depth <= reach) {
             let point = Point {
                 nodes,
                 corners,

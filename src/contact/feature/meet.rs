@@ -126,8 +126,7 @@ impl Making<'_, '_> {
         if can_push(&flanks, -normal) && can_push(&edge.flanks(), normal) {
             let before = self.site.rows.contacts.len();
             let at = (t, normal, way.dot(normal));
-            // It may have been known by another edge, as deep as that.
-            let known = (touched || last.is_some()).then_some(f64::INFINITY);
+            let known = touched || last.is_some();
             self.across((key, known), (&nodes, &corners), at, self.deepest_point());
             if self.site.rows.contacts.len() > before {
                 // What touches may be deeper next time.
