@@ -10,7 +10,7 @@ use super::ties::Average;
 use crate::body::state::State;
 use crate::contact::site::slot;
 use crate::law::row::link;
-use crate::math::{DQuat, DVec3, Real};
+use crate::math::{DMat3, DQuat, DVec3, Real};
 use crate::solve::rows::{Rows, Term, Tie};
 use crate::solve::shadow::Shadow;
 use rapier3d::dynamics::RigidBodyHandle;
@@ -201,6 +201,10 @@ impl<D> Bond<D> {
     ) -> DVec3 {
         let between = other.is_some();
         let (number, shadow) = shadow;
+        let (mut chord, mut chord_before) = (DMat3::ZERO, DMat3::ZERO);
+        if !between {
+            (chord, chord_before) = (chords(shadow.w, h), chords(shadow.before.1, -h));
+        }
         for point in self.points.iter() {
             let first = rows.terms.len();
             let (mut at, mut held, mut before) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
@@ -228,11 +232,7 @@ impl<D> Bond<D> {
                 shadow.rot * point.anchor
             };
             let error = if between { at } else { at - (shadow.com + arm) };
-            let (ahead, behind) = if between {
-                (DVec3::ZERO, DVec3::ZERO)
-            } else {
-                (chord(shadow.w, arm, h), chord(shadow.before.1, arm, -h))
-            };
+            let ahead = chord * arm;
             let mut tie = Tie {
                 terms: rows.terms_since(first),
                 between,
@@ -240,7 +240,7 @@ impl<D> Bond<D> {
                 attachment: index,
                 arm,
                 error,
-                before: before - behind,
+                before: before - chord_before * arm,
                 chord: ahead,
                 bias: ahead,
                 softness: 0.0,
@@ -278,10 +278,12 @@ fn position(point: &Point, own: &State<Real>, other: Option<&State<Real>>) -> DV
     point.parts.iter().map(at).sum()
 }
 
-/// What the mean velocity of a point turning at `w` over h s differs from its velocity at the start \[m/s\]; with a
-/// negative h, over the time before.
-fn chord(w: DVec3, arm: DVec3, h: f64) -> DVec3 {
-    (DQuat::from_scaled_axis(w * h) * arm - arm) / h - w.cross(arm)
+/// What the mean velocity over h s of a point turning at `w` differs from its velocity at the start, by its arm \[1/s\]; with
+/// a negative h, over the time before.
+fn chords(w: DVec3, h: f64) -> DMat3 {
+    let turn = DMat3::from_quat(DQuat::from_scaled_axis(w * h));
+    let rate = DMat3::from_cols(w.cross(DVec3::X), w.cross(DVec3::Y), w.cross(DVec3::Z));
+    (turn - DMat3::IDENTITY) * (1.0 / h) - rate
 }
 
 #[cfg(test)]
@@ -296,10 +298,10 @@ mod tests {
             1e-3,
         );
         for h in [h, -h] {
-            let end = arm + (w.cross(arm) + chord(w, arm, h)) * h;
+            let end = arm + (w.cross(arm) + chords(w, h) * arm) * h;
             assert!((end.length() - arm.length()).abs() < 1e-12);
             let centripetal = w.cross(w.cross(arm)) * (0.5 * h);
-            assert!((chord(w, arm, h) - centripetal).length() < 0.02 * centripetal.length());
+            assert!((chords(w, h) * arm - centripetal).length() < 0.02 * centripetal.length());
         }
     }
 }

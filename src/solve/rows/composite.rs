@@ -132,10 +132,10 @@ impl Composites {
     }
 
     /// How the composite of a tie answers an error of this tie alone: −impulse by error \[kg\]. `None` if it has none.
-    pub fn mass(&self, i: usize, tie: &Tie, shadows: &[Shadow]) -> Option<DMat3> {
+    /// `response` is that of its shadow there \[1/kg\].
+    pub fn mass(&self, i: usize, response: DMat3) -> Option<DMat3> {
         self.of_tie(i)?;
         let m = self.masses[i];
-        let response = shadows[tie.shadow as usize].response_matrix(tie.arm);
         Some(DMat3::from_diagonal(DVec3::splat(m)) - response * (m * m))
     }
 
@@ -211,30 +211,45 @@ impl Pass<'_> {
         felt.any()
     }
 
-    /// The same for all ties of all composites.
+    /// The same for all ties of all composites: what was done to a node does not depend on how its shadow moves since, so all
+    /// of it is answered at once, and then all nodes follow.
     pub(super) fn follow_all(&mut self) {
-        for round in 0..2 {
-            for i in 0..self.ties.len() {
-                if self.composites.of_tie(i).is_none() {
-                    continue;
-                }
-                if round == 0 {
-                    let push = self.push_of(i);
-                    let Tie { shadow, arm, .. } = self.ties[i];
-                    self.shadows[shadow as usize].push(arm, push);
-                }
+        for c in 0..self.composites.list.len() {
+            let Composite { shadow, first, .. } = self.composites.list[c];
+            let (mut impulse, mut torque) = (DVec3::ZERO, DVec3::ZERO);
+            let mut i = first as usize;
+            while i != NONE as usize {
+                let push = self.push_of(i);
+                impulse += push;
+                torque += self.ties[i].arm.cross(push);
+                i = self.composites.next[i] as usize;
+            }
+            self.shadows[shadow as usize].take(impulse, torque);
+            let mut i = first as usize;
+            while i != NONE as usize {
                 self.let_follow(i);
+                i = self.composites.next[i] as usize;
+            }
+        }
+    }
+
+    /// Ties of composites that nothing has disturbed since all nodes followed need no visit until something does.
+    pub(super) fn pass_over_still(&mut self) {
+        let first = self.contacts.len();
+        for c in &self.composites.list {
+            let shadow = &self.shadows[c.shadow as usize];
+            let mut i = c.first as usize;
+            let followed = (shadow.v, shadow.w) == self.composites.followed[i];
+            while followed && i != NONE as usize {
+                self.worklist.pass_over(first + i);
+                i = self.composites.next[i] as usize;
             }
         }
     }
 
     /// What has been done to the node of a tie and not been answered by its composite yet \[N·s\].
     fn push_of(&self, i: usize) -> DVec3 {
-        let Tie { shadow, arm, .. } = self.ties[i];
-        let shadow = &self.shadows[shadow as usize];
-        let (v, w) = self.composites.followed[i];
-        let to_follow = shadow.v - v + (shadow.w - w).cross(arm);
-        (self.tie_error(i) + to_follow) * self.composites.masses[i]
+        self.tie_error_of(i, self.composites.followed[i]) * self.composites.masses[i]
     }
 
     /// Gives the node of a tie the velocity of its anchor, and returns the impulse \[N·s\].

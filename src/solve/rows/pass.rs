@@ -75,13 +75,15 @@ impl Rows {
         pass.follow_all();
         pass.start_shadows();
         pass.start_warm(&mut self.clusters);
+        pass.pass_over_still();
         let most = if self.blow || pass.is_coupled() {
             SINKING * passes
         } else {
             passes
         };
         for n in 0..most {
-            if n >= COUPLED * passes && !pass.sinks(SINKS * self.push_out) {
+            let looks = n >= COUPLED * passes && n % passes == 0;
+            if looks && !pass.sinks(SINKS * self.push_out) {
                 break;
             }
             pass.settled.tolerance = if n < passes { 1e-9 } else { 1e-3 };
@@ -185,7 +187,7 @@ impl Pass<'_> {
             let rigid = self.shadows[tie.shadow as usize].response_matrix(tie.arm);
             let k = DMat3::from_diagonal(DVec3::splat(own)) + rigid;
             tie.give = Give::of(self.points.give(tie.terms), &rigid);
-            tie.mass = match self.composites.mass(i, tie, self.shadows) {
+            tie.mass = match self.composites.mass(i, rigid) {
                 Some(mass) => mass,
                 None if own > 0.0 => k.inverse(),
                 None => pseudo_inverse(k),
@@ -293,10 +295,15 @@ impl Pass<'_> {
         self.note(i, impulse)
     }
 
-    /// Has those looked at again that feel this change of a row's impulse \[N·s\]; whether there are any.
+    /// Has those looked at again that feel this change of a row's impulse \[N·s\]; whether there are any. One visit of a row that
+    /// nothing else moves is exact.
     #[inline(always)]
     fn note(&mut self, i: usize, change: DVec3) -> bool {
         let row = &self.contacts[i];
+        let is_only = self.squeezed && self.squeeze.is_only(row, self.points.terms);
+        if is_only && !self.worklist.moves(row.shadow) {
+            return false;
+        }
         let square = row.normal_impulse * row.normal_impulse;
         let felt = self
             .settled
@@ -358,9 +365,17 @@ impl Pass<'_> {
     }
 
     /// By how much the velocity of a tie's point differs from what it is to be \[m/s\].
+    #[inline(always)]
     pub fn tie_error(&self, i: usize) -> DVec3 {
+        let shadow = &self.shadows[self.ties[i].shadow as usize];
+        self.tie_error_of(i, (shadow.v, shadow.w))
+    }
+
+    /// The same while the shadow moves with these velocities \[m/s, rad/s\].
+    #[inline(always)]
+    pub fn tie_error_of(&self, i: usize, (v, w): (DVec3, DVec3)) -> DVec3 {
         let tie = &self.ties[i];
-        let anchor = self.shadows[tie.shadow as usize].velocity_at(tie.arm);
+        let anchor = v + w.cross(tie.arm);
         self.points.velocity(tie.terms) - (anchor + tie.bias - tie.impulse * tie.softness)
     }
 

@@ -40,6 +40,8 @@ pub(super) struct Squeeze {
     shared: Vec<bool>,
     /// Per node, whether another deformable presses on it.
     pressed: Vec<bool>,
+    /// Per node, how many rows and ties it has.
+    uses: Vec<u32>,
 }
 
 /// What the nodes of a row, held by their own rows, make of its impulse, as far as that has been asked for \[1/kg\].
@@ -55,6 +57,13 @@ impl Squeeze {
     pub fn find(&mut self, nodes: usize, contacts: &[Row], ties: &[Tie], terms: &[Term]) {
         self.tie.clear();
         self.tie.resize(nodes, NONE);
+        self.uses.clear();
+        self.uses.resize(nodes, 0);
+        let of_ties = ties.iter().map(|tie| tie.terms);
+        let of_all = contacts.iter().map(|row| row.terms).chain(of_ties);
+        for term in of_all.flat_map(|of_one| &terms[of_one.range()]) {
+            self.uses[term.node as usize] += 1;
+        }
         for (i, tie) in ties.iter().enumerate() {
             if let [only] = &terms[tie.terms.range()] {
                 self.tie[only.node as usize] = i as u32;
@@ -90,6 +99,11 @@ impl Squeeze {
     /// Whether a row shares a node with another row on that node alone.
     pub fn shares(&self, row: usize) -> bool {
         self.shared[row]
+    }
+
+    /// Whether a row has only one node, which has no other row and no tie.
+    pub fn is_only(&self, row: &Row, terms: &[Term]) -> bool {
+        matches!(&terms[row.terms.range()], [only] if self.uses[only.node as usize] == 1)
     }
 
     /// Whether a row has only one node, on which no other deformable presses: it needs no warm start. With one beside those of

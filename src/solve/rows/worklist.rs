@@ -54,6 +54,11 @@ impl Worklist {
         due
     }
 
+    /// Row number `row` has nothing to look at until something changes.
+    pub fn pass_over(&mut self, row: usize) {
+        self.visits[row] = self.now;
+    }
+
     /// A row has changed the velocities of its nodes and shadows, as far as these feel it. It will be looked at once more
     /// itself.
     #[inline(always)]
