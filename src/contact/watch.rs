@@ -20,6 +20,8 @@ pub struct Watch {
     /// Those that may arrive before `until`, and a few more, in ascending order.
     soon: Vec<u32>,
     until: f64,
+    /// The way at which the first of those listed may arrive \[m\].
+    next: f64,
     /// The way up to which all that may arrive is listed \[m\], and how many of those listed turned out to arrive later.
     horizon: f64,
     late: usize,
@@ -57,16 +59,27 @@ impl Watch {
         let stale = 2 * self.late > self.soon.len() && 16 * self.late > count;
         if way + reach >= self.until || stale {
             self.gather(way + reach + AHEAD * step);
+        } else if self.next - way > reach {
+            return;
         }
+        let mut next = f64::INFINITY;
         for &i in &self.soon {
             let due = &mut self.due[i as usize];
             // Distances that are no numbers are looked at too.
             if *due - way > reach {
+                next = next.min(*due);
                 continue;
             }
             *due = way + look(i);
             self.late += usize::from(*due > self.horizon);
+            let arrives = if due.is_nan() {
+                f64::NEG_INFINITY
+            } else {
+                *due
+            };
+            next = next.min(arrives);
         }
+        self.next = next;
     }
 
     /// Lists what may arrive before the way `horizon`.

@@ -232,7 +232,7 @@ where
             nodes.velocity = table.own(slice).velocity(part);
         }
         let (mut flowed, mut broke) = (0, 0);
-        let mut plastic = [0.0; LANES];
+        let mut plastic = V::ZERO;
         let palette = limited.limits.palette;
         let mut teller = Teller {
             telling: limited.limits.telling,
@@ -256,7 +256,7 @@ where
             }
             // The trapezoid, as for every other work: the tension of the last commit follows from the rate.
             let last = stiffness * (trial.elongation - h * rate);
-            add_work::<V>(&mut plastic, plastic::work(last, &mapped));
+            plastic += plastic::work(last, &mapped);
             let (breaks, held) = law.breaks(&trial, mapped.tension);
             let yields = flows & !old_flow.bits_above(V::ZERO);
             if yields | breaks != 0 {
@@ -280,9 +280,10 @@ where
         if flowed != 0 {
             // Both ends of a spring find the same, and each has a half.
             let sums = &mut limited.plastic[part * V::LANES..][..V::LANES];
+            let works = wide(plastic).0;
             sums.iter_mut()
-                .zip(plastic)
-                .for_each(|(sum, work)| *sum += 0.5 * work);
+                .zip(works)
+                .for_each(|(sum, work)| *sum += 0.5 * f64::from(work));
             limited.limits.set_unsaved(slice);
         }
         if limited.limits.calm(slice, part, flowed | broke == 0) {
@@ -310,15 +311,6 @@ fn wide<V: Vector>(value: V) -> Wide {
     let mut wide = Wide([0.0; LANES]);
     value.store(&mut wide, 0);
     wide
-}
-
-/// Adds plastic work \[J\] to sums by lanes.
-#[inline(always)]
-fn add_work<V: Vector>(sums: &mut [f64; LANES], work: V) {
-    let work = wide(work);
-    for (sum, work) in sums[..V::LANES].iter_mut().zip(&work.0) {
-        *sum += f64::from(*work);
-    }
 }
 
 /// Who writes down what happens to springs.
