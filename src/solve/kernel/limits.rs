@@ -151,19 +151,31 @@ impl Limited<'_> {
                 return sums;
             }
         }
-        V::aside(AtLimits::<V, _, DAMPED> {
-            limited: self,
-            table,
-            slots: slots(),
-            slice,
-            part,
-            nodes,
-        })
+        let (limited, slots) = (self, slots());
+        if limited.limits.palette.is_breaking() {
+            V::aside(AtLimits::<V, _, DAMPED, true> {
+                limited,
+                table,
+                slots,
+                slice,
+                part,
+                nodes,
+            })
+        } else {
+            V::aside(AtLimits::<V, _, DAMPED, false> {
+                limited,
+                table,
+                slots,
+                slice,
+                part,
+                nodes,
+            })
+        }
     }
 }
 
 /// A part of a slice of which a spring may be at a limit.
-struct AtLimits<'a, 'b, V, I, const DAMPED: bool> {
+struct AtLimits<'a, 'b, V, I, const DAMPED: bool, const BREAKING: bool> {
     limited: &'a mut Limited<'b>,
     table: &'a Table<'a>,
     slots: I,
@@ -172,7 +184,8 @@ struct AtLimits<'a, 'b, V, I, const DAMPED: bool> {
     nodes: Nodes<V>,
 }
 
-impl<V, E, I, const DAMPED: bool> Aside<V> for AtLimits<'_, '_, V, I, DAMPED>
+impl<V, E, I, const DAMPED: bool, const BREAKING: bool> Aside<V>
+    for AtLimits<'_, '_, V, I, DAMPED, BREAKING>
 where
     V: Vector,
     E: End<V>,
@@ -189,7 +202,7 @@ where
     }
 }
 
-impl<V, E, I, const DAMPED: bool> AtLimits<'_, '_, V, I, DAMPED>
+impl<V, E, I, const DAMPED: bool, const BREAKING: bool> AtLimits<'_, '_, V, I, DAMPED, BREAKING>
 where
     V: Vector,
     E: End<V>,
@@ -257,7 +270,11 @@ where
             // The trapezoid, as for every other work: the tension of the last commit follows from the rate.
             let last = stiffness * (trial.elongation - h * rate);
             plastic += plastic::work(last, &mapped);
-            let (breaks, held) = law.breaks(&trial, mapped.tension);
+            let (breaks, held) = if BREAKING {
+                law.breaks(&trial, mapped.tension)
+            } else {
+                (0, V::ONE)
+            };
             let yields = flows & !old_flow.bits_above(V::ZERO);
             if yields | breaks != 0 {
                 let lanes = Lanes {
@@ -269,10 +286,16 @@ where
                 let energy = spring::energy(stiffness, trial.elongation - mapped.flow);
                 teller.tell(&lanes, &wide(mapped.tension), &wide(energy));
             }
-            nodes.pull(&trial, V::above(held, V::ZERO, mapped.tension, V::ZERO));
+            let of_held = |x| {
+                if BREAKING {
+                    V::above(held, V::ZERO, x, V::ZERO)
+                } else {
+                    x
+                }
+            };
+            nodes.pull(&trial, of_held(mapped.tension));
             if DAMPED {
-                let viscosity = V::above(held, V::ZERO, table.damping(which, part), V::ZERO);
-                nodes.damp(&trial, rate, viscosity);
+                nodes.damp(&trial, rate, of_held(table.damping(which, part)));
             }
             flowed |= flows;
             broke |= breaks;

@@ -103,6 +103,11 @@ impl Palette {
         self.which.push(which);
     }
 
+    /// Whether anything can break.
+    pub fn is_breaking(&self) -> bool {
+        self.breaking
+    }
+
     /// Which sets the slots have.
     pub fn sets(&self, slots: Range<usize>) -> &[u32] {
         &self.which[slots]
