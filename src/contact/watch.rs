@@ -67,7 +67,9 @@ impl Watch {
             let due = &mut self.due[i as usize];
             // Distances that are no numbers are looked at too.
             if *due - way > reach {
-                next = next.min(*due);
+                if *due < next {
+                    next = *due;
+                }
                 continue;
             }
             *due = way + look(i);

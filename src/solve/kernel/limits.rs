@@ -245,7 +245,7 @@ where
             nodes.velocity = table.own(slice).velocity(part);
         }
         let (mut flowed, mut broke) = (0, 0);
-        let mut plastic = V::ZERO;
+        let mut plastic = [0.0; LANES];
         let palette = limited.limits.palette;
         let mut teller = Teller {
             telling: limited.limits.telling,
@@ -269,7 +269,7 @@ where
             }
             // The trapezoid, as for every other work: the tension of the last commit follows from the rate.
             let last = stiffness * (trial.elongation - h * rate);
-            plastic += plastic::work(last, &mapped);
+            add_work::<V>(&mut plastic, plastic::work(last, &mapped));
             let (breaks, held) = if BREAKING {
                 law.breaks(&trial, mapped.tension)
             } else {
@@ -303,10 +303,9 @@ where
         if flowed != 0 {
             // Both ends of a spring find the same, and each has a half.
             let sums = &mut limited.plastic[part * V::LANES..][..V::LANES];
-            let works = wide(plastic).0;
             sums.iter_mut()
-                .zip(works)
-                .for_each(|(sum, work)| *sum += 0.5 * f64::from(work));
+                .zip(plastic)
+                .for_each(|(sum, work)| *sum += 0.5 * work);
             limited.limits.set_unsaved(slice);
         }
         if limited.limits.calm(slice, part, flowed | broke == 0) {
@@ -334,6 +333,15 @@ fn wide<V: Vector>(value: V) -> Wide {
     let mut wide = Wide([0.0; LANES]);
     value.store(&mut wide, 0);
     wide
+}
+
+/// Adds plastic work \[J\] to sums by lanes.
+#[inline(always)]
+fn add_work<V: Vector>(sums: &mut [f64; LANES], work: V) {
+    let work = wide(work);
+    for (sum, work) in sums[..V::LANES].iter_mut().zip(&work.0) {
+        *sum += f64::from(*work);
+    }
 }
 
 /// Who writes down what happens to springs.
