@@ -42,8 +42,9 @@ impl Group {
         };
         let limit = unseen / h;
         // Shadows that strike each other, and nodes that are torn along, need not be near anything yet.
-        let alone = self.rows.ties.is_empty() && self.rows.rigid.is_empty();
-        if alone && closing <= unseen || self.rows.fastest_to_stop(&self.shadows, h) <= limit {
+        let (rows, shadows) = (&self.rows, &self.shadows);
+        let fast = closing > unseen && rows.contacts_stop(shadows, h, limit);
+        if !fast && !rows.others_stop(shadows, h, limit) {
             return;
         }
         self.rows.blow = true;

@@ -231,21 +231,29 @@ impl Rows {
         }
     }
 
-    /// The greatest speed that a row has to stop in a substep of h s, soft ties aside \[m/s\].
-    pub fn fastest_to_stop(&self, shadows: &[Shadow], h: f64) -> f64 {
-        let relative = |terms: Terms, shadow: u32, arm: DVec3| {
-            let point = points::velocity(&self.nodes, self.terms_of(terms));
-            point - shadows[shadow as usize].velocity_at(arm)
-        };
-        // Levers change nothing along the normal.
-        let contacts = self.contacts.iter().map(|row| {
-            let closing = -relative(row.terms, row.shadow, row.arm).dot(row.normal);
-            closing + allowed_velocity(row.depth, h, 0.0)
-        });
-        let rigid = self.rigid.iter().map(|row| row.closing(shadows, h));
-        let ties = self.ties.iter().filter(|tie| tie.softness == 0.0);
-        let ties = ties.map(|t| (relative(t.terms, t.shadow, t.arm) - t.bias).length());
-        contacts.chain(rigid).chain(ties).fold(0.0, f64::max)
+    /// Whether a contact of nodes has to stop more than `limit` m/s in a substep of h s.
+    pub fn contacts_stop(&self, shadows: &[Shadow], h: f64, limit: f64) -> bool {
+        self.contacts.iter().any(|row| {
+            // Levers change nothing along the normal.
+            let relative = self.relative(row.terms, &shadows[row.shadow as usize], row.arm);
+            allowed_velocity(row.depth, h, 0.0) - relative.dot(row.normal) > limit
+        })
+    }
+
+    /// Whether a contact of shadows has to stop more than that, or a tie that is not soft.
+    pub fn others_stop(&self, shadows: &[Shadow], h: f64, limit: f64) -> bool {
+        let mut ties = self.ties.iter().filter(|tie| tie.softness == 0.0);
+        let mut rigid = self.rigid.iter();
+        ties.any(|t| {
+            let relative = self.relative(t.terms, &shadows[t.shadow as usize], t.arm);
+            (relative - t.bias).length_squared() > limit * limit
+        }) || rigid.any(|row| row.closing(shadows, h) > limit)
+    }
+
+    /// The velocity of a point relative to that of a shadow there \[m/s\].
+    #[inline(always)]
+    fn relative(&self, terms: Terms, shadow: &Shadow, arm: DVec3) -> DVec3 {
+        points::velocity(&self.nodes, self.terms_of(terms)) - shadow.velocity_at(arm)
     }
 
     /// Body, node and weight of each term of a contact.
