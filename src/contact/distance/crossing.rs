@@ -67,29 +67,11 @@ impl Solid {
                     give(meeting.flatten());
                 });
             }
-            Core::Cylinder(half_height, radius) => {
-                for side in [-1.0, 1.0] {
-                    let cap = DVec3::Y * side;
-                    let rim = Rim {
-                        centre: cap * *half_height,
-                        radius: *radius,
-                        cap,
-                        slope: 0.0,
-                    };
+            Core::Cylinder(..) | Core::Cone(..) => {
+                for rim in self.rims() {
                     let met = rim.meetings(a, b - a, within + self.radius);
                     met.into_iter().for_each(&mut give);
                 }
-            }
-            Core::Cone(half_height, radius) => {
-                let height = 2.0 * half_height;
-                let rim = Rim {
-                    centre: DVec3::NEG_Y * *half_height,
-                    radius: *radius,
-                    cap: DVec3::NEG_Y,
-                    slope: radius / height.max(f64::MIN_POSITIVE),
-                };
-                let met = rim.meetings(a, b - a, within + self.radius);
-                met.into_iter().for_each(give);
             }
             Core::Point
             | Core::Segment(..)
@@ -99,8 +81,35 @@ impl Solid {
         }
     }
 
-    /// How far the segment `a`–`b` \[m\] is from the straight edges of a convex solid, or less, up to `within` m: no
-    /// number where it has other edges.
+    /// The rims of a cylinder or a cone.
+    fn rims(&self) -> impl Iterator<Item = Rim> {
+        let (rims, count) = match self.core {
+            Core::Cylinder(half_height, radius) => {
+                let rim = |cap: DVec3| Rim {
+                    centre: cap * half_height,
+                    radius,
+                    cap,
+                    slope: 0.0,
+                };
+                ([rim(DVec3::NEG_Y), rim(DVec3::Y)], 2)
+            }
+            Core::Cone(half_height, radius) => {
+                let height = 2.0 * half_height;
+                let rim = Rim {
+                    centre: DVec3::NEG_Y * half_height,
+                    radius,
+                    cap: DVec3::NEG_Y,
+                    slope: radius / height.max(f64::MIN_POSITIVE),
+                };
+                ([rim; 2], 1)
+            }
+            _ => ([Rim::default(); 2], 0),
+        };
+        rims.into_iter().take(count)
+    }
+
+    /// How far the segment `a`–`b` \[m\] is from the edges and rims of a convex solid, or less, up to `within` m: no number
+    /// where it has others.
     pub fn edges_from(&self, a: DVec3, b: DVec3, within: f64) -> f64 {
         let margin = DVec3::splat(within + self.radius);
         let (lo, hi) = (a.min(b) - margin, a.max(b) + margin);
@@ -118,15 +127,16 @@ impl Solid {
                     try_out([p, q]);
                 }
             }),
-            Core::Cylinder(..) | Core::Cone(..) | Core::Compound(_) | Core::Voxels(_) => {
-                return f64::NEG_INFINITY;
+            Core::Cylinder(..) | Core::Cone(..) => {
+                let apart = self.rims().map(|rim| rim.apart(a, b));
+                least = apart.fold(least, f64::min);
             }
+            Core::Compound(_) | Core::Voxels(_) => return f64::NEG_INFINITY,
         }
         least - self.radius
     }
 
-    /// Whether it has rims. A segment crosses one where it is as far from the axis, which may be away from where it comes
-    /// nearest.
+    /// Whether it has rims, of which a face touches other points the more it turns.
     pub fn has_rim(&self) -> bool {
         matches!(self.core, Core::Cylinder(..) | Core::Cone(..))
     }

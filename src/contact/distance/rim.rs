@@ -17,6 +17,7 @@ const STILL: f64 = 1e-12;
 const ASIDE: f64 = 2.0;
 
 /// The edge between a cap and the mantle above it.
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Rim {
     pub centre: DVec3,
     pub radius: f64,
@@ -29,6 +30,9 @@ impl Rim {
     /// The meetings with the segment from `a` along `d` that are within `within` m: the part of the way, the normal and the
     /// distance along it \[m\]. One may lie before the point where the segment comes nearest to the axis, one behind it.
     pub fn meetings(&self, a: DVec3, d: DVec3, within: f64) -> [Option<(f64, DVec3, f64)>; 2] {
+        if self.apart(a, a + d) > within {
+            return [None; 2];
+        }
         let flat = d.x * d.x + d.z * d.z;
         let middle = -(a.x * d.x + a.z * d.z) / flat;
         let mut found: [Option<(f64, DVec3, f64)>; 2] = [None; 2];
@@ -49,6 +53,12 @@ impl Rim {
             }
         }
         found
+    }
+
+    /// How far the segment from `a` to `b` is from the rim, or less \[m\].
+    pub fn apart(&self, a: DVec3, b: DVec3) -> f64 {
+        let middle = 0.5 * (a + b);
+        self.way(middle, radial(middle).1).length() - 0.5 * a.distance(b)
     }
 
     /// Where the line is as far from the axis as the rim, or nearest to it, and where it is at the height of the cap.

@@ -200,11 +200,7 @@ impl Making<'_, '_> {
         let nodes = self.site.side.topology.edges[e as usize];
         let corners = self.ends(&nodes);
         let [a, b] = corners;
-        let apart = if part.solid.has_rim() {
-            f64::NEG_INFINITY
-        } else {
-            part.solid.edges_apart(a.min(b), a.max(b))
-        };
+        let apart = part.solid.edges_apart(a.min(b), a.max(b));
         let known = self.touches.knows([p, e]);
         if apart > self.near && !known {
             return apart;

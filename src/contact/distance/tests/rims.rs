@@ -46,6 +46,7 @@ fn rims_are_crossed_where_a_segment_comes_nearest() {
             vec![(-height, cone)],
         ),
     ] {
+        let solid = Solid::of(&*shape).unwrap();
         let (mut random, mut met, mut due) = (Random(1), 0, 0);
         for _ in 0..10_000 {
             // Past a point at a rim, at any angle.
@@ -55,6 +56,13 @@ fn rims_are_crossed_where_a_segment_comes_nearest() {
             let a = on + random.vector() * 0.01 - d * random.unit();
             let at = |t: f64| a + d * t;
             let found = crossings(&shape, a, a + d, 0.02);
+            let from = solid.edges_from(a, a + d, 1.0);
+            for &(y, _) in &rims {
+                let far = |t: f64| (at(t).x.hypot(at(t).z) - radius).hypot(at(t).y - y);
+                let least = (0..=STEPS).map(|i| far(i as f64 / STEPS as f64));
+                let least = least.fold(f64::INFINITY, f64::min);
+                assert!(from < least + 1e-7, "{from} of {least}");
+            }
             let mut walked = Vec::new();
             for &(y, mantle) in &rims {
                 for (t, [out, up]) in walk(at, y, STEPS) {
