@@ -4,6 +4,7 @@
 pub mod external;
 pub mod fem;
 pub mod forces;
+pub(crate) mod gauge;
 pub mod integrate;
 pub mod kernel;
 pub mod rows;

@@ -7,6 +7,7 @@
 use super::external::{External, ForceField};
 use super::fem::Part;
 use super::forces::{Forces, LimitEvent, dot, spring_forces, three};
+use super::gauge::Gauge;
 use super::integrate::Integrator;
 use super::kernel::{self, Kernel, Totals, of_f32, of_f32_mut};
 use super::springs::{Rows, SpringTable};
@@ -60,6 +61,8 @@ pub struct Solver<S> {
     /// Largest squared speed that the last integration pass has seen, before rows gave their impulses; NaN or infinite when a
     /// velocity was.
     pub(crate) speed_squared: S,
+    /// Whether threads pay.
+    pub(crate) gauge: Gauge,
 }
 
 impl<S: Scalar> Solver<S> {
@@ -140,7 +143,9 @@ impl<S: Scalar> Solver<S> {
         h: f64,
         field: Option<&dyn ForceField>,
     ) {
-        integrator.predict(self, state, S::of(h), field);
+        let (mut gauge, size) = (std::mem::take(&mut self.gauge), self.size(state));
+        gauge.run(size, || integrator.predict(self, state, S::of(h), field));
+        self.gauge = gauge;
     }
 
     /// Completes the substep after contact and moves the clock.
@@ -151,8 +156,18 @@ impl<S: Scalar> Solver<S> {
         h: f64,
         field: Option<&dyn ForceField>,
     ) {
-        integrator.finish(self, state, S::of(h), field);
+        let (mut gauge, size) = (std::mem::take(&mut self.gauge), self.size(state));
+        gauge.run(size, || integrator.finish(self, state, S::of(h), field));
+        gauge.end();
+        self.gauge = gauge;
         self.time += h;
+    }
+
+    /// How many springs take as long as any of its passes.
+    fn size(&self, state: &State<S>) -> usize {
+        let elements = self.part.as_ref().map_or(0, Part::size);
+        let nodes = threads::NODE * state.particles.len();
+        self.table.links.len().max(elements).max(nodes)
     }
 
     /// Changes the velocity of a node after `predict` by a scheme that takes late impulses: v += Δv, x += h·Δv. Work of damping and external forces follows, see [`Work`].

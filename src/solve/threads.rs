@@ -47,10 +47,33 @@ const LEAST: usize = 4_000;
 /// A node takes about as long to be moved as so many springs.
 pub(crate) const NODE: usize = 5;
 
+#[cfg(feature = "parallel")]
+thread_local! {
+    /// Whether what this thread is about may be shared out.
+    static SHARING: std::cell::Cell<bool> = const { std::cell::Cell::new(true) };
+}
+
+/// Does something of which passes are shared out, or are not.
+pub(crate) fn sharing<R>(shared: bool, work: impl FnOnce() -> R) -> R {
+    #[cfg(feature = "parallel")]
+    {
+        // While a thread waits for others it may do the work of another body.
+        let before = SHARING.replace(shared);
+        let result = work();
+        SHARING.set(before);
+        result
+    }
+    #[cfg(not(feature = "parallel"))]
+    {
+        let _ = shared;
+        work()
+    }
+}
+
 /// In how many parts a pass over as much as so many springs is to be done.
 #[cfg(feature = "parallel")]
 pub(crate) fn parts(springs: usize) -> usize {
-    if springs < 2 * LEAST || rayon::current_thread_index().is_none() {
+    if springs < 2 * LEAST || rayon::current_thread_index().is_none() || !SHARING.get() {
         return 1;
     }
     rayon::current_num_threads().min(springs / LEAST)

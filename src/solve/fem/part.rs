@@ -43,6 +43,11 @@ impl<S: Scalar> Part<S> {
         Self::new(self.model.clone(), masses)
     }
 
+    /// How many springs take as long.
+    pub(crate) fn size(&self) -> usize {
+        ELEMENT * self.model.nodes_per_element() * self.model.element_count()
+    }
+
     /// Adds the elastic and damping force of every element to its nodes.
     pub(crate) fn add_forces(
         &mut self,
@@ -55,8 +60,7 @@ impl<S: Scalar> Part<S> {
             of_f32::<_, Vec<_>>(particles),
             of_f32_mut(forces),
         ) {
-            let work = ELEMENT * model.nodes_per_element() * model.element_count();
-            let parts = threads::parts(work);
+            let parts = threads::parts(self.size());
             if parts >= WORTH {
                 let new = || Box::new(Gather::new(model.node_count(), &model.nodes()));
                 let gather = self.gather.get_or_insert_with(new);
