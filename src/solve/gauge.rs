@@ -16,8 +16,10 @@ const TERM: u32 = 1024;
 /// What is known of a body.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Gauge {
-    /// Substeps since the last trial began.
+    /// Substeps that could be shared out since the last trial began.
     count: u32,
+    /// Whether the substep under way can be.
+    asked: bool,
     /// Of the substep under way.
     spent: Duration,
     /// The shortest of the trial, alone and shared out.
@@ -30,6 +32,7 @@ impl Gauge {
         if threads::parts(springs) < 2 {
             return part();
         }
+        self.asked = true;
         let shared = self.is_shared();
         if self.count >= 2 * TRIAL {
             return threads::sharing(shared, part);
@@ -42,6 +45,9 @@ impl Gauge {
 
     /// Ends a substep.
     pub fn end(&mut self) {
+        if !std::mem::take(&mut self.asked) {
+            return;
+        }
         if self.spent > Duration::ZERO {
             let least = &mut self.least[usize::from(self.is_shared())];
             *least = Some(least.map_or(self.spent, |least| least.min(self.spent)));
@@ -75,7 +81,7 @@ mod tests {
         for i in 0..2 * TERM {
             assert_eq!(gauge.run(1_000_000, || i), i);
             gauge.end();
-            assert!(gauge.least.iter().all(Option::is_none) && gauge.count < TERM);
+            assert!(gauge.least.iter().all(Option::is_none) && gauge.count == 0);
         }
     }
 
