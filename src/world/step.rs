@@ -233,6 +233,7 @@ impl DeformableWorld {
             end,
             pending,
             near,
+            holds,
         } in std::mem::take(&mut self.waiting)
         {
             let sleeping = parts.bodies.get(touched.body);
@@ -244,6 +245,10 @@ impl DeformableWorld {
             memory.seen = self.steps;
             memory.near = near;
             memory.feel(end.impulse, dt);
+            if holds {
+                // Asleep it would not be lifted, and the node stay where it is.
+                parts.islands.wake_up(parts.bodies, touched.body, true);
+            }
             if pending.is_something()
                 && let Some(body) = parts.bodies.get_mut(touched.body)
             {

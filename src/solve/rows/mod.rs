@@ -264,6 +264,22 @@ impl Rows {
         })
     }
 
+    /// The shadows that hold nodes of contacts which are more than `depth` m deep, each with the shadow that they are deep in.
+    pub fn held_deep(&self, depth: f64) -> impl Iterator<Item = [u32; 2]> {
+        let deep = move |row: &&Row| row.depth > depth && row.softness == 0.0 && !row.between;
+        let rows = self.contacts.iter().filter(deep);
+        rows.flat_map(move |row| {
+            let terms = self.terms_of(row.terms);
+            let holds = move |tie: &&Tie| {
+                let mut held = self.terms_of(tie.terms).iter();
+                let is_held = held.any(|h| terms.iter().any(|t| t.node == h.node));
+                is_held && tie.softness == 0.0 && !tie.between
+            };
+            let ties = self.ties.iter().filter(holds);
+            ties.map(|tie| [tie.shadow, row.shadow])
+        })
+    }
+
     /// The levers of a row's terms, if it has any.
     pub fn levers_of(&self, row: &Row) -> Option<&[DVec3]> {
         points::levers(&self.levers, row)
