@@ -15,7 +15,7 @@ use crate::coupling::linkage::Mobility;
 use crate::coupling::memory::{BodyMemory, Response};
 use crate::coupling::observe::{self, Answer, Surroundings};
 use crate::solve::shadow::Shadow;
-use rapier3d::dynamics::{RigidBodyHandle, RigidBodySet};
+use rapier3d::dynamics::RigidBodyHandle;
 use std::collections::BTreeMap;
 
 /// A rigid body that deformables of a group can touch.
@@ -38,9 +38,6 @@ pub(super) struct Waiting {
     /// Whether it holds a node that is deep in what never moves, and has to get it out.
     pub holds: bool,
 }
-
-/// How deep such a node is at least, in length units: what is woken for less would hardly move.
-const DEEP: f64 = 5e-4;
 
 /// A sortable key of a body.
 pub(super) type BodyKey = (u32, u32);
@@ -264,7 +261,7 @@ impl DeformableWorld {
         let splits = group.splits(parts, dt);
         self.drowsy.extend(group.as_drowsy(dt, &self.params));
         let near = group.near_bodies(NEAR * parts.length_unit());
-        let holds = group.holders(DEEP * parts.length_unit(), parts.bodies);
+        let holds = group.holders(parts.length_unit(), parts.bodies);
         self.pause_encounters(&mut group);
         for (pair, sum) in group.pair_sums() {
             self.add_touch(pair, sum);
@@ -330,21 +327,6 @@ impl DeformableWorld {
             body.shifted = 0.0;
             self.put_back(handle, body);
         }
-    }
-}
-
-impl Group {
-    /// Per touched body, whether it holds a node that is more than `depth` m deep in what never moves.
-    fn holders(&self, depth: f64, bodies: &RigidBodySet) -> Vec<bool> {
-        let body = |shadow: u32| Some(&self.touched[(shadow as usize).checked_sub(1)?]);
-        let never_moves = |t: &Touched| bodies.get(t.body).is_some_and(|b| !b.is_dynamic());
-        let mut holds = vec![false; self.touched.len()];
-        for [holder, in_what] in self.rows.held_deep(depth) {
-            if holder > 0 && body(in_what).is_none_or(never_moves) {
-                holds[holder as usize - 1] = true;
-            }
-        }
-        holds
     }
 }
 

@@ -151,31 +151,19 @@ impl Limited<'_> {
                 return sums;
             }
         }
-        let (limited, slots) = (self, slots());
-        if limited.limits.palette.is_breaking() {
-            V::aside(AtLimits::<V, _, DAMPED, true> {
-                limited,
-                table,
-                slots,
-                slice,
-                part,
-                nodes,
-            })
-        } else {
-            V::aside(AtLimits::<V, _, DAMPED, false> {
-                limited,
-                table,
-                slots,
-                slice,
-                part,
-                nodes,
-            })
-        }
+        V::aside(AtLimits::<V, _, DAMPED> {
+            limited: self,
+            table,
+            slots: slots(),
+            slice,
+            part,
+            nodes,
+        })
     }
 }
 
 /// A part of a slice of which a spring may be at a limit.
-struct AtLimits<'a, 'b, V, I, const DAMPED: bool, const BREAKING: bool> {
+struct AtLimits<'a, 'b, V, I, const DAMPED: bool> {
     limited: &'a mut Limited<'b>,
     table: &'a Table<'a>,
     slots: I,
@@ -184,8 +172,7 @@ struct AtLimits<'a, 'b, V, I, const DAMPED: bool, const BREAKING: bool> {
     nodes: Nodes<V>,
 }
 
-impl<V, E, I, const DAMPED: bool, const BREAKING: bool> Aside<V>
-    for AtLimits<'_, '_, V, I, DAMPED, BREAKING>
+impl<V, E, I, const DAMPED: bool> Aside<V> for AtLimits<'_, '_, V, I, DAMPED>
 where
     V: Vector,
     E: End<V>,
@@ -196,13 +183,16 @@ where
     #[inline(always)]
     fn run(self) -> Nodes<V> {
         match self.limited.commit {
-            Some(h) => self.commit(V::of(h.into())),
+            Some(h) if self.limited.limits.palette.is_breaking() => {
+                self.commit::<true>(V::of(h.into()))
+            }
+            Some(h) => self.commit::<false>(V::of(h.into())),
             None => self.try_out(),
         }
     }
 }
 
-impl<V, E, I, const DAMPED: bool, const BREAKING: bool> AtLimits<'_, '_, V, I, DAMPED, BREAKING>
+impl<V, E, I, const DAMPED: bool> AtLimits<'_, '_, V, I, DAMPED>
 where
     V: Vector,
     E: End<V>,
@@ -229,9 +219,9 @@ where
         nodes
     }
 
-    /// Forces at the end of a substep of h \[s\]: springs flow and break.
+    /// Forces at the end of a substep of h \[s\]: springs flow, and break where any can.
     #[inline(always)]
-    fn commit(self, h: V) -> Nodes<V> {
+    fn commit<const BREAKING: bool>(self, h: V) -> Nodes<V> {
         let Self {
             limited,
             table,

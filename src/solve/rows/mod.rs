@@ -264,20 +264,24 @@ impl Rows {
         })
     }
 
-    /// The shadows that hold nodes of contacts which are more than `depth` m deep, each with the shadow that they are deep in.
+    /// The shadows that hold all nodes of contacts which are more than `depth` m deep, each with the shadow that they are in.
     pub fn held_deep(&self, depth: f64) -> impl Iterator<Item = [u32; 2]> {
         let deep = move |row: &&Row| row.depth > depth && row.softness == 0.0 && !row.between;
         let rows = self.contacts.iter().filter(deep);
-        rows.flat_map(move |row| {
-            let terms = self.terms_of(row.terms);
-            let holds = move |tie: &&Tie| {
-                let mut held = self.terms_of(tie.terms).iter();
-                let is_held = held.any(|h| terms.iter().any(|t| t.node == h.node));
-                is_held && tie.softness == 0.0 && !tie.between
-            };
-            let ties = self.ties.iter().filter(holds);
-            ties.map(|tie| [tie.shadow, row.shadow])
+        rows.filter_map(|row| {
+            let mut holders = self.terms_of(row.terms).iter().map(|t| self.holder(t.node));
+            let first = holders.next()??;
+            holders.all(|h| h.is_some()).then_some([first, row.shadow])
         })
+    }
+
+    /// The shadow that a node is tied to, if it is.
+    fn holder(&self, node: u32) -> Option<u32> {
+        let holds = |tie: &&Tie| {
+            let mut terms = self.terms_of(tie.terms).iter();
+            tie.softness == 0.0 && !tie.between && terms.any(|t| t.node == node)
+        };
+        Some(self.ties.iter().find(holds)?.shadow)
     }
 
     /// The levers of a row's terms, if it has any.

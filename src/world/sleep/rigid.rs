@@ -2,9 +2,30 @@
 //! carries them, or comes at them.
 
 use crate::math::wide;
+use crate::world::group::Touched;
 use crate::world::reach::{self, Search};
+use crate::world::substep::Group;
 use crate::world::{DeformableWorld, RapierParts};
-use rapier3d::dynamics::RigidBodyHandle;
+use rapier3d::dynamics::{RigidBodyHandle, RigidBodySet};
+
+/// How deep a held node is at least for which a body is kept awake, in length units: for less it would hardly move.
+const DEEP: f64 = 5e-4;
+
+impl Group {
+    /// Per touched body, whether it holds a node that is deep in what never moves, and has to get it out: asleep it would not be
+    /// lifted.
+    pub(in crate::world) fn holders(&self, unit: f64, bodies: &RigidBodySet) -> Vec<bool> {
+        let body = |shadow: u32| Some(&self.touched[(shadow as usize).checked_sub(1)?]);
+        let never_moves = |t: &Touched| bodies.get(t.body).is_some_and(|b| !b.is_dynamic());
+        let mut holds = vec![false; self.touched.len()];
+        for [holder, in_what] in self.rows.held_deep(DEEP * unit) {
+            if holder > 0 && body(in_what).is_none_or(never_moves) {
+                holds[holder as usize - 1] = true;
+            }
+        }
+        holds
+    }
+}
 
 impl DeformableWorld {
     /// Wakes bodies that a deformable is about to hit, at twice the speed below which Rapier lets bodies sleep.
