@@ -30,11 +30,31 @@ impl Edges {
         Self::new(net.springs.iter().map(|s| s.nodes).collect(), &places)
     }
 
+    /// Those of a soft body that is yet to be put into a world: of its cells where it has no edges.
+    pub fn of_native(body: &SoftBodyBuilder) -> Self {
+        let ends = if body.edges.is_empty() {
+            body.cell_edges()
+        } else {
+            body.edges.clone()
+        };
+        Self::new(ends, body.particle_positions())
+    }
+
+    /// The strain of each, given where nodes are.
+    fn strains(&self, place: impl Fn(u32) -> Vector) -> impl Iterator<Item = f64> {
+        let each = self.ends.iter().zip(&self.lengths);
+        each.map(move |([a, b], l)| f64::from(place(*a).distance(place(*b)) / l - 1.0))
+    }
+
     /// Largest strain, given where nodes are.
     pub fn strain(&self, place: impl Fn(u32) -> Vector) -> f64 {
-        let each = self.ends.iter().zip(&self.lengths);
-        let strains = each.map(|([a, b], length)| place(*a).distance(place(*b)) / length - 1.0);
-        strains.fold(0.0, |most, e| f64::from(e.abs()).max(most))
+        self.strains(place).fold(0.0, |most, e| e.abs().max(most))
+    }
+
+    /// Mean square of the strains, given where nodes are.
+    pub fn mean_square(&self, place: impl Fn(u32) -> Vector) -> f64 {
+        let sum: f64 = self.strains(place).map(|e| e * e).sum();
+        sum / self.ends.len().max(1) as f64
     }
 }
 
@@ -58,12 +78,7 @@ pub struct Native {
 impl Native {
     /// Puts a body that moves at a speed \[m/s\] into a world.
     pub fn new(mut world: PhysicsWorld, body: SoftBodyBuilder, speed: Vector) -> Self {
-        let ends = if body.edges.is_empty() {
-            body.cell_edges()
-        } else {
-            body.edges.clone()
-        };
-        let edges = Edges::new(ends, body.particle_positions());
+        let edges = Edges::of_native(&body);
         let body = world.insert_soft_body(body.can_sleep(false));
         let soft = &mut world.soft_bodies[body];
         for i in 0..soft.num_particles() {
