@@ -1,6 +1,7 @@
 //! What a body is: a [`Net`] of nodes and springs with the constants a [`Material`] gives them, or a [`TetMesh`] of a
 //! [`Solid`], and the state a solver writes.
 
+pub(crate) mod adjacency;
 pub mod blueprint;
 mod border;
 mod crossing;

@@ -68,14 +68,16 @@ fn print(speed: &Speed) {
             r.strain[1],
         );
     }
-    let threads = &speed.threads;
-    let note = threads.note.map_or(String::new(), |n| format!(": {n}"));
-    say_line!(
-        "\n{} threads on a mesh without order of {} springs: {:.2} × one{note}",
-        threads.threads,
-        threads.springs,
-        threads.speedup
-    );
+    say_line!("\nthreads on one body");
+    for r in &speed.threads {
+        let note = r.note.map_or(String::new(), |n| format!(": {n}"));
+        let body = format!("{}, {} springs", r.body, r.springs);
+        say_line!(
+            "  {body:37}{:3} threads  {:5.2} × one{note}",
+            r.threads,
+            r.speedup
+        );
+    }
     let r = &speed.roofline;
     say_line!(
         "roofline of a lattice of {} springs: {:.2} of it at {:.0} million updates/s; {:.0} G operations/s over {:.0} each, {:.0} GB/s over {:.0} bytes each",

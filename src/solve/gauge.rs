@@ -10,8 +10,10 @@ use std::time::{Duration, Instant};
 
 /// Substeps of each kind in a trial: the shortest counts, since whatever else a machine does can only add to them.
 const TRIAL: u32 = 8;
-/// Substeps until the next one: where one way takes twice as long as the other, a trial costs a hundredth.
-const TERM: u32 = 1024;
+/// Substeps until the second one, and at most until any. Threads that were just woken may run on one core for some milliseconds, so
+/// that the first trials can be wrong; where the last two agree, the next is twice as far away. In the end a trial costs a
+/// hundredth where one way takes twice as long as the other.
+const TERMS: [u32; 2] = [128, 1024];
 
 /// What is known of a body.
 #[derive(Clone, Debug, Default)]
@@ -24,6 +26,8 @@ pub(crate) struct Gauge {
     spent: Duration,
     /// The shortest of the trial, alone and shared out.
     least: [Option<Duration>; 2],
+    /// What the trial before found, and from it until this one began.
+    before: Option<(bool, u32)>,
 }
 
 impl Gauge {
@@ -54,8 +58,19 @@ impl Gauge {
             self.spent = Duration::ZERO;
         }
         self.count += 1;
-        if self.count >= TERM {
-            *self = Self::default();
+        if self.count >= self.term() {
+            *self = Self {
+                before: Some((self.is_shared(), self.term())),
+                ..Self::default()
+            };
+        }
+    }
+
+    /// Substeps from this trial until the next one.
+    fn term(&self) -> u32 {
+        match self.before {
+            Some((found, term)) if found == self.is_shared() => TERMS[1].min(2 * term),
+            _ => TERMS[0],
         }
     }
 
@@ -78,7 +93,7 @@ mod tests {
     #[test]
     fn what_is_not_shared_is_not_tried() {
         let mut gauge = Gauge::default();
-        for i in 0..2 * TERM {
+        for i in 0..2 * TERMS[1] {
             assert_eq!(gauge.run(1_000_000, || i), i);
             gauge.end();
             assert!(gauge.least.iter().all(Option::is_none) && gauge.count == 0);
@@ -90,25 +105,29 @@ mod tests {
     fn what_takes_longer_by_threads_is_done_by_one() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build();
         for shared_is_slow in [true, false] {
-            let (mut gauge, mut shared) = (Gauge::default(), 0);
+            let mut gauge = Gauge::default();
+            let substep = |gauge: &mut Gauge| {
+                let (shared, trying) = (gauge.is_shared(), gauge.count < 2 * TRIAL);
+                gauge.run(1_000_000, || {
+                    assert_eq!(threads::parts(1_000_000) > 1, shared);
+                    if trying {
+                        let slow = shared == shared_is_slow;
+                        std::thread::sleep(Duration::from_micros(if slow { 900 } else { 100 }));
+                    }
+                });
+                gauge.end();
+                shared
+            };
             pool.as_ref().unwrap().install(|| {
-                for substep in 0..TERM {
-                    gauge.run(1_000_000, || {
-                        let is_shared = threads::parts(1_000_000) > 1;
-                        if substep < 2 * TRIAL {
-                            let slow = is_shared == shared_is_slow;
-                            std::thread::sleep(Duration::from_micros(if slow { 900 } else { 100 }));
-                        } else {
-                            shared += u32::from(is_shared);
-                        }
-                    });
-                    gauge.end();
+                // Terms twice as long each, up to the longest.
+                for term in [128, 256, 512, 1024, 1024] {
+                    assert_eq!(gauge.count, 0);
+                    let shared = (0..term).filter(|_| substep(&mut gauge)).count() as u32;
+                    let rest = if shared_is_slow { 0 } else { term - 2 * TRIAL };
+                    assert_eq!(shared, TRIAL + rest);
                 }
                 assert_eq!(threads::parts(1_000_000), 2);
             });
-            let expected = if shared_is_slow { 0 } else { TERM - 2 * TRIAL };
-            assert_eq!(shared, expected);
-            assert_eq!(gauge.count, 0);
         }
     }
 }

@@ -91,7 +91,7 @@ pub struct Ratios {
     pub block10_vs_rapier: f64,
     /// One of 20³ nodes that crumples at a wall.
     pub wall20_vs_rapier: f64,
-    /// All threads over one, on a large body.
+    /// All threads over one, on a large mesh in order.
     pub threads_speedup: f64,
     /// Of the lower roof, by arithmetic or by memory.
     pub roofline_share: f64,
@@ -113,8 +113,8 @@ pub struct Speed {
     pub whole_steps: Vec<WholeRow>,
     /// Scenes here and in Rapier's own soft bodies.
     pub peers: Vec<PeerRow>,
-    /// Threads.
-    pub threads: Threads,
+    /// Threads on meshes with and without order, and a lattice.
+    pub threads: Vec<Threads>,
     /// The roofline.
     pub roofline: Roofline,
 }
@@ -158,7 +158,7 @@ fn measure_alone(sizes: &Sizes, mut tell: impl FnMut(&str)) -> Result<Speed, Sce
             cloth100_vs_rapier: peers[0].ratio,
             block10_vs_rapier: peers[1].ratio,
             wall20_vs_rapier: peers[2].ratio,
-            threads_speedup: threads.speedup,
+            threads_speedup: threads.first().map_or(f64::NAN, |t| t.speedup),
             roofline_share: roofline.share,
         },
         kernels,

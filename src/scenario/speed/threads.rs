@@ -2,9 +2,14 @@
 
 use super::{SceneError, Sizes};
 
+/// A mesh whose nodes follow each other, see [`crate::body::Net::in_order`].
+pub const ORDERED: &str = "mesh in order";
+
 /// All threads against one.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct Threads {
+    /// What body.
+    pub body: &'static str,
     /// How many.
     pub threads: usize,
     /// Springs of the body.
@@ -17,22 +22,26 @@ pub struct Threads {
 }
 
 #[cfg(not(feature = "parallel"))]
-pub(super) fn threads(_: &Sizes) -> Result<Threads, SceneError> {
-    Ok(Threads {
+pub(super) fn threads(_: &Sizes) -> Result<Vec<Threads>, SceneError> {
+    Ok(vec![Threads {
+        body: ORDERED,
         threads: 1,
         springs: 0,
         speedup: 1.0,
         note: Some("built without the feature `parallel`"),
-    })
+    }])
 }
 
 #[cfg(feature = "parallel")]
-pub(super) fn threads(sizes: &Sizes) -> Result<Threads, SceneError> {
-    use super::kernels::GENERAL;
+pub(super) fn threads(sizes: &Sizes) -> Result<Vec<Threads>, SceneError> {
+    let [mesh, lattice] = super::kernels::bodies_of(sizes.thread_cells)?;
+    let ordered = mesh.1.clone().in_order()?.0;
+    let bodies = [(ORDERED, ordered), mesh, lattice].into_iter();
+    bodies.map(|(body, net)| on(body, net, sizes)).collect()
+}
 
-    let bodies = super::kernels::bodies_of(sizes.thread_cells)?;
-    let net = bodies.into_iter().find(|(name, _)| *name == GENERAL);
-    let net = net.ok_or(SceneError::Missing(GENERAL))?.1;
+#[cfg(feature = "parallel")]
+fn on(body: &'static str, net: crate::body::Net, sizes: &Sizes) -> Result<Threads, SceneError> {
     let all = std::thread::available_parallelism().map_or(1, usize::from);
     let [one, many] = [1, all].map(Pool::new);
     let springs = net.springs.len();
@@ -48,6 +57,7 @@ pub(super) fn threads(sizes: &Sizes) -> Result<Threads, SceneError> {
     };
     let pairs = (0..3 * sizes.rounds).map(|_| pair());
     Ok(Threads {
+        body,
         threads: all,
         springs,
         speedup: super::clock::median(pairs),

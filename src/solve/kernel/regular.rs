@@ -1,8 +1,8 @@
 //! Nodes whose neighbours are found by counting: in a lattice, a sheet or a box of tets numbered along its axes, the springs of
 //! nodes that follow each other go to nodes that follow each other.
 
-use super::order::Adjacency;
 use super::vector::LANES;
+use crate::body::adjacency::Adjacency;
 use std::ops::Range;
 
 /// By how much the number of a node at the other end of a spring is higher, slot by slot.

@@ -17,12 +17,13 @@ use super::SLICES;
 use super::limits::Outcome;
 use super::log::Log;
 use super::mirror::Mirror;
-use super::order::Adjacency;
+use super::order;
 use super::palette::{Mixer, Palette};
 use super::ranges::{Limits, Ranges, slack};
 use super::regular;
 use super::telling::Telling;
 use super::vector::{LANES, Places, Starts, Wide};
+use crate::body::adjacency::Adjacency;
 use crate::body::state::State;
 use crate::solve::springs::{Limit, Link};
 use std::collections::HashMap;
@@ -125,7 +126,7 @@ impl Sell {
         let steps = regular::steps(&adjacency);
         let order = match &steps {
             Some(_) => (0..nodes as u32).collect(),
-            None => adjacency.rows(),
+            None => order::rows(&adjacency),
         };
         let mut builder = Builder {
             links,

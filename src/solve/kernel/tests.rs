@@ -5,6 +5,7 @@ mod regular;
 use super::vector::LANES;
 use super::*;
 use crate::body::Material;
+use crate::body::adjacency::Adjacency;
 use crate::body::net::Spring;
 use crate::body::state::State;
 use crate::solve::springs::Rows;
@@ -367,7 +368,7 @@ fn a_mesh_without_order_is_visited_along_itself() {
         names.swap(i, r.below(i + 1) as usize);
     }
     let springs = (0..2999).map(|i| (i as u32, [names[i], names[i + 1]]));
-    let rows = order::Adjacency::new(3000, springs).rows();
+    let rows = order::rows(&Adjacency::new(3000, springs));
     let mut place = vec![0; 3000];
     for (at, &node) in rows.iter().enumerate() {
         place[node as usize] = at as u32;
