@@ -241,6 +241,7 @@ impl Net {
     ///
     /// ```
     /// use crumple::prelude::*;
+    /// use crumple::rapier3d::prelude::*;
     ///
     /// let node = |x: f32| Node::new(Vector::X * x, 0.1);
     /// // A chain whose ends are nodes 0 and 1.
