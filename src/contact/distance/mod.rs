@@ -119,6 +119,11 @@ impl Solid {
         }
     }
 
+    /// Whether it has several parts.
+    pub fn is_compound(&self) -> bool {
+        matches!(self.core, Core::Compound(_))
+    }
+
     /// Signed distance (negative inside) \[m\] and outward unit normal at `p` \[m\]. Exact, but for compounds and voxels
     /// deep inside.
     #[inline]

@@ -4,6 +4,7 @@ use super::making::{BORDER, Making, Met};
 use super::part::{Convex, Part};
 use super::patch::Patch;
 use crate::contact::distance::{Crossing, Solid};
+use crate::contact::form::Form;
 use crate::contact::site::Site;
 use crate::contact::target::{Frame, Target};
 use crate::contact::touches::Touches;
@@ -194,6 +195,21 @@ impl Making<'_, '_> {
         apart.max(far.fold(f64::INFINITY, f64::min) - part.solid.edge_radius())
     }
 
+    /// Whether a place on an edge of the part is no edge of the whole: just below it, along what crosses it there, is another part
+    /// that goes on at the same height or rises.
+    fn is_seam(&self, part: &Convex, place: DVec3, along: DVec3, normal: DVec3) -> bool {
+        let Form::Solid(whole) = &self.target.form else {
+            return false;
+        };
+        let touching = self.site.reach.touching;
+        whole.is_compound()
+            && [BORDER, -BORDER].into_iter().any(|side| {
+                let beside = place + touching * (side * along - normal);
+                part.solid.signed_distance(beside).0 > 0.0
+                    && whole.signed_distance(part.to_collider(beside)).0 < 0.0
+            })
+    }
+
     /// An edge against the part: where it crosses the part's edges, and where it comes nearest to a round side.
     /// Returns how far it is from any of them, or less \[m\].
     fn edge(&mut self, part: &Convex, [p, e]: [u32; 2]) -> f64 {
@@ -221,6 +237,10 @@ impl Making<'_, '_> {
         let mut cross = |c: Crossing| {
             // So near an end it is the node's business.
             if c.t < end || c.t > 1.0 - end {
+                return;
+            }
+            let place = a.lerp(b, c.t) - c.normal * c.distance;
+            if self.is_seam(part, place, (b - a).normalize_or_zero(), c.normal) {
                 return;
             }
             let at = (c.t, c.normal, c.distance);

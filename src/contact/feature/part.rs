@@ -47,6 +47,11 @@ impl Convex {
         }
     }
 
+    /// A place in the collider's frame.
+    pub fn to_collider(&self, place: DVec3) -> DVec3 {
+        self.offset + self.turn * place
+    }
+
     /// How far a box of the collider's frame is from any edge, or less \[m\].
     fn edges_apart(&self, (lo, hi): (DVec3, DVec3)) -> f64 {
         let axes = DMat3::from_quat(self.turn).transpose();

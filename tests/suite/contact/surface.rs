@@ -216,8 +216,13 @@ fn compliant_contacts_sink_as_springs_do() {
         k.map_or(body.clone(), |k| body.contact_stiffness(k))
     };
     let (lo, hi) = (Vector::new(-2.0, -1.0, -2.0), Vector::new(2.0, 0.0, 2.0));
+    let half = |x: f32| {
+        let half = SharedShape::cuboid(1.0, 0.5, 2.0);
+        (Pose::from_translation(Vector::new(x, -0.5, 0.0)), half)
+    };
     let floors = [
         slab(),
+        ColliderBuilder::compound(vec![half(-1.0), half(1.0)]),
         ColliderBuilder::new(SharedShape::halfspace(Vector::Y)),
         flat_field(4.0, 4.0, 0.3),
         flat_field(4.0, 4.0, 0.1),
