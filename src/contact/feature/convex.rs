@@ -4,7 +4,6 @@ use super::making::{BORDER, Making, Met};
 use super::part::{Convex, Part};
 use super::patch::Patch;
 use crate::contact::distance::{Crossing, Solid};
-use crate::contact::form::Form;
 use crate::contact::site::Site;
 use crate::contact::target::{Frame, Target};
 use crate::contact::touches::Touches;
@@ -181,7 +180,7 @@ impl Making<'_, '_> {
             };
             let outward = foot.normal * 1.0_f64.copysign(foot.normal.dot(n));
             let found = self.over((i, point), (f, &patch), (&foot, outward), deepest);
-            if found.is_some() && self.is_paved(part, point, -n) {
+            if found.is_some() && self.is_internal_corner(part, point, -n) {
                 continue;
             }
             met.extend(found);
@@ -197,46 +196,6 @@ impl Making<'_, '_> {
         let grown = n * part.solid.edge_radius();
         let far = points.iter().map(|&point| patch.apart(point + grown));
         apart.max(far.fold(f64::INFINITY, f64::min) - part.solid.edge_radius())
-    }
-
-    /// Whether a place on an edge of the part is no edge of the whole: just below it, along what crosses it there, is another part
-    /// that goes on at the same height or rises.
-    fn is_seam(&self, part: &Convex, place: DVec3, along: DVec3, normal: DVec3) -> bool {
-        let Some(whole) = self.compound() else {
-            return false;
-        };
-        let touching = self.site.reach.touching;
-        [BORDER, -BORDER].into_iter().any(|side| {
-            let beside = place + touching * (side * along - normal);
-            part.solid.signed_distance(beside).0 > 0.0
-                && whole.signed_distance(part.to_collider(beside)).0 < 0.0
-        })
-    }
-
-    /// Whether a corner of the part is none of the whole: all around it, just below, are parts, and not only its own.
-    fn is_paved(&self, part: &Convex, corner: DVec3, normal: DVec3) -> bool {
-        let Some(whole) = self.compound() else {
-            return false;
-        };
-        let touching = self.site.reach.touching;
-        let (u, v) = normal.any_orthonormal_pair();
-        let (mut paved, mut own) = (true, true);
-        for i in 0..8 {
-            let (sin, cos) = (f64::from(i) * std::f64::consts::FRAC_PI_4).sin_cos();
-            let around = BORDER * (cos * u + sin * v);
-            let beside = corner + touching * (around - normal);
-            own &= part.solid.signed_distance(beside).0 < 0.0;
-            paved = paved && whole.signed_distance(part.to_collider(beside)).0 < 0.0;
-        }
-        paved && !own
-    }
-
-    /// The whole of which the part is one of several.
-    fn compound(&self) -> Option<&Solid> {
-        match &self.target.form {
-            Form::Solid(whole) if whole.is_compound() => Some(whole),
-            _ => None,
-        }
     }
 
     /// An edge against the part: where it crosses the part's edges, and where it comes nearest to a round side.
@@ -269,7 +228,7 @@ impl Making<'_, '_> {
                 return;
             }
             let place = a.lerp(b, c.t) - c.normal * c.distance;
-            if self.is_seam(part, place, (b - a).normalize_or_zero(), c.normal) {
+            if self.is_internal_edge(part, place, (b - a).normalize_or_zero(), c.normal) {
                 return;
             }
             let at = (c.t, c.normal, c.distance);

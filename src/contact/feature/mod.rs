@@ -7,6 +7,7 @@
 //! edges is not looked at until it has moved.
 
 mod convex;
+mod internal;
 mod making;
 mod meet;
 mod part;

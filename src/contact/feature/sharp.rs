@@ -17,7 +17,7 @@ use crate::solve::rows::Rows;
 use rapier3d::parry::partitioning::{Bvh, BvhBuildStrategy};
 
 /// The bend of two wide facets into which a face between nodes dips by a fiftieth of its length, as a sine.
-const GENTLE: f64 = 0.08;
+pub(super) const GENTLE: f64 = 0.08;
 
 /// Sine below which a direction lies in a plane.
 const FLAT: f64 = 1e-3;

@@ -196,8 +196,17 @@ fn bars() -> Vec<(&'static str, ColliderBuilder)> {
         part(0.0, -0.05, 0.1, quarter),
         base,
     ];
+    // Two slopes so gentle that they are almost one plane.
+    let slope = |x: f32| {
+        let points = [(0.0, 0.0), (x, -0.09 * x.abs()), (0.0, -0.1), (x, -0.1)];
+        let points = points.map(|(x, y)| [v(x, y, -0.2), v(x, y, 0.2)]);
+        let hull = SharedShape::convex_hull(points.as_flattened());
+        (Pose::IDENTITY, hull.unwrap())
+    };
+    let gentle = vec![slope(-0.1), slope(0.1)];
     vec![
         ("wire", ColliderBuilder::polyline(top.clone(), None)),
+        ("gentle compound", ColliderBuilder::compound(gentle)),
         ("compound along", ColliderBuilder::compound(along)),
         ("compound across", ColliderBuilder::compound(across)),
         ("segment", ColliderBuilder::segment(first, last)),
