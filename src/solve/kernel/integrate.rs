@@ -144,6 +144,7 @@ impl Nodes<'_> {
             let first = SLICES * block;
             let groups = first..self.particles.len().min(first + SLICES);
             let mut sums = [[0.0; LANES]; 4].map(Wide);
+            let mut held = false;
             for part in 0..LANES / V::LANES {
                 let mut lanes = Lanes::<V>::default();
                 for group in groups.clone() {
@@ -157,24 +158,21 @@ impl Nodes<'_> {
                     } else {
                         &[]
                     };
-                    // Sixteen numbers of each column in turn, so that sums do not depend on the width.
-                    for first in (0..4 * LANES).step_by(LANES) {
-                        let first = first + part * V::LANES;
-                        let nodes = (&mut *particles, &mut *low);
-                        let forces = (elastic, damping, applied);
-                        lanes.step::<DAMPED, APPLIED>(nodes, forces, first, &constants);
-                    }
+                    let nodes = (particles, low);
+                    let forces = (elastic, damping, applied);
+                    lanes.step::<DAMPED, APPLIED>(nodes, forces, part, &constants);
                 }
+                held |= lanes.held;
                 lanes.damping.store(&mut sums[0], part);
                 lanes.external.store(&mut sums[1], part);
                 lanes.fastest.store(&mut sums[2], part);
                 lanes.all_speeds.store(&mut sums[3], part);
             }
             *totals = Totals {
-                damping: sum(&sums[0]),
-                external: sum(&sums[1]),
+                damping: if DAMPED { sum(&sums[0]) } else { 0.0 },
+                external: if APPLIED || held { sum(&sums[1]) } else { 0.0 },
                 fastest: greatest(&sums[2]),
-                all_speeds: sum(&sums[3]) as f32,
+                all_speeds: folded(sums[3].0, |a, b| a + b),
             };
         }
     }
@@ -228,77 +226,97 @@ struct Lanes<V> {
     external: V,
     fastest: V,
     all_speeds: V,
+    /// Whether any node is pinned.
+    held: bool,
 }
 
 impl<V: Vector> Lanes<V> {
-    /// Moves the nodes whose positions begin with the so many-th number.
+    /// Moves the nodes of a part of sixteen: sixteen numbers of each kind in turn, so that sums do not depend on the width. Four
+    /// vectors at once, so that what is rare is asked once of all, and squares become speeds in one vector.
     #[inline(always)]
     fn step<const DAMPED: bool, const APPLIED: bool>(
         &mut self,
         (particles, low): (&mut [f32; 8 * LANES], &mut [f32]),
         (elastic, damping, applied): (&[f32], &[f32], &[f32]),
-        first: usize,
+        part: usize,
         c: &Constants<V>,
     ) {
-        let low = &mut low[first..][..V::LANES];
-        let elastic = V::load_from(&elastic[first..]);
-        let damping = if DAMPED && !damping.is_empty() {
-            V::load_from(&damping[first..])
-        } else {
-            V::ZERO
-        };
-        let [at, old] = halves::<V>(particles, first);
-        let inv_mass = at.last_of_four();
-        let pinned = !inv_mass.all_above(V::ZERO);
-        let mut gravity = c.gravity;
+        let mut firsts = [0; 4];
+        let [mut at, mut old, mut inv_mass] = [[V::ZERO; 4]; 3];
+        let mut least = V::ONE;
+        for k in 0..4 {
+            firsts[k] = LANES * k + part * V::LANES;
+            [at[k], old[k]] = halves::<V>(particles, firsts[k]);
+            inv_mass[k] = at[k].last_of_four();
+            least = inv_mass[k].min(least);
+        }
+        let pinned = !least.all_above(V::ZERO);
+        let mut gravity = [c.gravity; 4];
         if pinned {
-            gravity = V::above(inv_mass, V::ZERO, gravity, V::ZERO);
+            self.held = true;
+            for k in 0..4 {
+                gravity[k] = V::above(inv_mass[k], V::ZERO, c.gravity, V::ZERO);
+            }
         }
-        let mut force = elastic;
-        if DAMPED {
-            force += damping;
-        }
-        let mut push = V::ZERO;
-        if APPLIED {
-            push = V::of_lanes(|l| {
-                let (node, axis) = ((first + l) / 4, l % 4);
-                if axis < 3 {
-                    applied[3 * node + axis].into()
-                } else {
-                    0.0
-                }
-            });
-            force += push;
-        }
-        let mut new = old + c.h * (gravity + force * inv_mass);
-        if !new.abs().all_above(c.still) {
-            // What is not a number stays so.
-            new = V::above(c.still, new.abs(), V::ZERO, new);
-        }
-        if DAMPED || APPLIED || pinned {
-            let mean = c.half * (old + new);
-            let by_damping = damping * mean;
-            let outside = push * mean;
-            if DAMPED {
-                self.damping -= by_damping;
+        let [mut new, mut push, mut resisting] = [[V::ZERO; 4]; 3];
+        for k in 0..4 {
+            let mut force = V::load_from(&elastic[firsts[k]..]);
+            if DAMPED && !damping.is_empty() {
+                resisting[k] = V::load_from(&damping[firsts[k]..]);
+                force += resisting[k];
             }
             if APPLIED {
-                self.external += outside;
+                push[k] = pushes(applied, firsts[k]);
+                force += push[k];
             }
-            if pinned {
-                // Whatever holds a pinned node takes up the work on it.
-                let work = elastic * mean + by_damping + outside;
-                self.external -= V::above(inv_mass, V::ZERO, V::ZERO, work);
+            let free = old[k] + c.h * (gravity[k] + force * inv_mass[k]);
+            new[k] = free.zero_below(c.still);
+        }
+        if DAMPED || APPLIED || pinned {
+            for k in 0..4 {
+                let mean = c.half * (old[k] + new[k]);
+                let by_damping = resisting[k] * mean;
+                let outside = push[k] * mean;
+                if DAMPED {
+                    self.damping -= by_damping;
+                }
+                if APPLIED {
+                    self.external += outside;
+                }
+                if pinned {
+                    // Whatever holds a pinned node takes up the work on it.
+                    let elastic = V::load_from(&elastic[firsts[k]..]);
+                    let work = elastic * mean + by_damping + outside;
+                    self.external -= V::above(inv_mass[k], V::ZERO, V::ZERO, work);
+                }
             }
         }
-        let squared = new * new * c.one;
-        self.fastest = squared.sums_of_four().max(self.fastest);
-        self.all_speeds += squared;
-        let (at, below) = two_sum(at, c.h * new + V::load_from(low));
-        below.store_to(low);
-        let to = &mut particles[2 * first..][..2 * V::LANES];
-        let [a, b] = V::rows([at, new]);
-        a.store_to(to);
-        b.store_to(&mut to[V::LANES..]);
+        let mut squared = new;
+        for k in 0..4 {
+            squared[k] = new[k] * new[k] * c.one;
+            let low = &mut low[firsts[k]..][..V::LANES];
+            let (at, below) = two_sum(at[k], c.h * new[k] + V::load_from(low));
+            below.store_to(low);
+            let to = &mut particles[2 * firsts[k]..][..2 * V::LANES];
+            let [a, b] = V::rows([at, new[k]]);
+            a.store_to(to);
+            b.store_to(&mut to[V::LANES..]);
+        }
+        let speeds = V::sums_of_fours(squared);
+        self.fastest = speeds.max(self.fastest);
+        self.all_speeds += speeds;
     }
+}
+
+/// The forces applied to the nodes whose positions begin with the so many-th number, a fourth number of each 0.
+#[inline(always)]
+fn pushes<V: Vector>(applied: &[f32], first: usize) -> V {
+    V::of_lanes(|l| {
+        let (node, axis) = ((first + l) / 4, l % 4);
+        if axis < 3 {
+            applied[3 * node + axis].into()
+        } else {
+            0.0
+        }
+    })
 }

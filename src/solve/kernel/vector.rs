@@ -58,10 +58,12 @@ pub trait Vector: Packed<f32> {
     fn halves(rows: [Self; 2]) -> [Self; 2];
     /// The rows of such halves.
     fn rows(halves: [Self; 2]) -> [Self; 2];
+    /// 0 where it is nearer to 0 than another number, which must be positive; what is not a number stays so.
+    fn zero_below(self, least: Self) -> Self;
     /// Of each four numbers the last, four times.
     fn last_of_four(self) -> Self;
-    /// The sum of each four numbers, (a + b) + (c + d), four times.
-    fn sums_of_four(self) -> Self;
+    /// The sums of each four numbers of four vectors, (a + b) + (c + d), in an order that depends on the width.
+    fn sums_of_fours(rows: [Self; 4]) -> Self;
     /// Writes columns as rows of four numbers, one behind the other.
     ///
     /// # Safety

@@ -1,7 +1,7 @@
 //! Vectors of four numbers without anything that depends on the processor.
 
 use super::{Aside, Vector};
-use crate::math::Pack;
+use crate::math::{Number, Pack};
 
 impl Vector for Pack<f32> {
     type Mask = [bool; 4];
@@ -55,14 +55,19 @@ impl Vector for Pack<f32> {
     }
 
     #[inline(always)]
+    fn zero_below(self, least: Self) -> Self {
+        Self::above(least, self.abs(), Self::ZERO, self)
+    }
+
+    #[inline(always)]
     fn last_of_four(self) -> Self {
         Self([self.0[3]; 4])
     }
 
     #[inline(always)]
-    fn sums_of_four(self) -> Self {
-        let [a, b, c, d] = self.0;
-        Self([(a + b) + (c + d); 4])
+    fn sums_of_fours([a, b, c, d]: [Self; 4]) -> Self {
+        let sum = |[a, b, c, d]: [f32; 4]| (a + b) + (c + d);
+        Self([sum(a.0), sum(b.0), sum(c.0), sum(d.0)])
     }
 
     #[inline(always)]

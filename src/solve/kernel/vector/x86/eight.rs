@@ -46,6 +46,15 @@ impl F8 {
         Self(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
     }
 
+    /// Of each four numbers of one vector, then of the other, the sums of the first two and of the last two.
+    #[inline(always)]
+    fn sums_of_pairs(self, other: Self) -> Self {
+        unsafe {
+            let first = Self(_mm256_shuffle_ps::<0x88>(self.0, other.0));
+            first + Self(_mm256_shuffle_ps::<0xdd>(self.0, other.0))
+        }
+    }
+
     #[inline(always)]
     fn bits(self, other: Self) -> u32 {
         unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(self.0, other.0)) as u32 }
@@ -156,18 +165,27 @@ impl Vector for F8 {
     }
 
     #[inline(always)]
+    fn zero_below(self, least: Self) -> Self {
+        // Bits of positive numbers are in their order, NaN above all: a comparison would wait longer, and for a mask.
+        // SAFETY: see the top.
+        unsafe {
+            let bits = _mm256_castps_si256(self.0);
+            let size = _mm256_and_si256(bits, _mm256_set1_epi32(i32::MAX));
+            let beyond = _mm256_sub_epi32(size, _mm256_castps_si256(least.0));
+            let below = _mm256_srai_epi32::<31>(beyond);
+            Self(_mm256_castsi256_ps(_mm256_andnot_si256(below, bits)))
+        }
+    }
+
+    #[inline(always)]
     fn last_of_four(self) -> Self {
         // SAFETY: see the top.
         Self(unsafe { _mm256_permute_ps::<0xff>(self.0) })
     }
 
     #[inline(always)]
-    fn sums_of_four(self) -> Self {
-        // SAFETY: see the top.
-        unsafe {
-            let pairs = self + Self(_mm256_permute_ps::<0xb1>(self.0));
-            pairs + Self(_mm256_permute_ps::<0x4e>(pairs.0))
-        }
+    fn sums_of_fours([a, b, c, d]: [Self; 4]) -> Self {
+        Self::sums_of_pairs(Self::sums_of_pairs(a, b), Self::sums_of_pairs(c, d))
     }
 
     #[inline(always)]

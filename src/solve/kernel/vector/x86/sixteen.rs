@@ -46,6 +46,15 @@ impl F16 {
         Self(unsafe { _mm512_andnot_ps(_mm512_set1_ps(-0.0), self.0) })
     }
 
+    /// Of each four numbers of one vector, then of the other, the sums of the first two and of the last two.
+    #[inline(always)]
+    fn sums_of_pairs(self, other: Self) -> Self {
+        unsafe {
+            let first = Self(_mm512_shuffle_ps::<0x88>(self.0, other.0));
+            first + Self(_mm512_shuffle_ps::<0xdd>(self.0, other.0))
+        }
+    }
+
     #[inline(always)]
     fn bits(self, other: Self) -> u32 {
         unsafe { _mm512_cmp_ps_mask::<_CMP_GT_OQ>(self.0, other.0).into() }
@@ -163,18 +172,23 @@ impl Vector for F16 {
     }
 
     #[inline(always)]
+    fn zero_below(self, least: Self) -> Self {
+        // SAFETY: see the top.
+        unsafe {
+            let not_below = _mm512_cmp_ps_mask::<_CMP_NLT_UQ>(self.abs().0, least.0);
+            Self(_mm512_maskz_mov_ps(not_below, self.0))
+        }
+    }
+
+    #[inline(always)]
     fn last_of_four(self) -> Self {
         // SAFETY: see the top.
         Self(unsafe { _mm512_permute_ps::<0xff>(self.0) })
     }
 
     #[inline(always)]
-    fn sums_of_four(self) -> Self {
-        // SAFETY: see the top.
-        unsafe {
-            let pairs = self + Self(_mm512_permute_ps::<0xb1>(self.0));
-            pairs + Self(_mm512_permute_ps::<0x4e>(pairs.0))
-        }
+    fn sums_of_fours([a, b, c, d]: [Self; 4]) -> Self {
+        Self::sums_of_pairs(Self::sums_of_pairs(a, b), Self::sums_of_pairs(c, d))
     }
 
     #[inline(always)]
