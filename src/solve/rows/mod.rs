@@ -19,11 +19,12 @@ mod points;
 mod rigid;
 mod settled;
 mod squeeze;
+mod tie;
 mod warm;
 mod worklist;
 
 use crate::law::row::allowed_velocity;
-use crate::math::{DMat3, DVec3};
+use crate::math::DVec3;
 use crate::solve::shadow::Shadow;
 use climb::Attempt;
 use composite::Composites;
@@ -34,6 +35,7 @@ use rigid::start_rigid;
 use settled::Settled;
 pub use settled::{Give, Negligible};
 use squeeze::{Held, Squeeze};
+pub use tie::Tie;
 use warm::Clusters;
 use worklist::Worklist;
 
@@ -84,37 +86,6 @@ impl Terms {
     pub fn range(self) -> std::ops::Range<usize> {
         self.first as usize..(self.first + self.count) as usize
     }
-}
-
-/// A point held at a point of a shadow, or of another deformable.
-#[derive(Clone, Copy, Debug)]
-pub struct Tie {
-    /// The nodes of the point; of a tie between two deformables, those of the other one with negative weights.
-    pub terms: Terms,
-    /// Index into the shadows; 0 for a tie between two deformables.
-    pub shadow: u32,
-    /// Which attachment the impulse is counted for.
-    pub attachment: u32,
-    /// Whether it lies between two deformables.
-    pub between: bool,
-    /// From the shadow's centre of mass to the anchor \[m\].
-    pub arm: DVec3,
-    /// Point minus anchor \[m\].
-    pub error: DVec3,
-    /// Velocity relative to the anchor at the end of the last substep \[m/s\].
-    pub before: DVec3,
-    /// What the anchor's mean velocity over the substep differs from that at its start \[m/s\].
-    pub chord: DVec3,
-    /// Velocity the point must have relative to the anchor's \[m/s\].
-    pub bias: DVec3,
-    /// 0 for a rigid tie, that of [`link`](crate::law::row::link) for a link \[1/kg\].
-    pub softness: f64,
-    /// Accumulated impulse on the node \[N·s\].
-    pub impulse: DVec3,
-    /// Effective mass, in a composite that with all of its other ties \[kg\]; set by the pass.
-    pub mass: DMat3,
-    /// What nodes and shadow make of its impulse; set by the pass.
-    pub give: Give,
 }
 
 /// All rows of a group in a substep.

@@ -10,7 +10,7 @@ use super::squeeze::{Held, Squeeze};
 use super::worklist::Worklist;
 use super::{JointRow, RigidRow, Row, Rows, Tie};
 use crate::law::row::{allowed_velocity, turning};
-use crate::math::{DMat3, DVec3, na};
+use crate::math::{DMat3, DVec3};
 use crate::solve::shadow::Shadow;
 
 /// Passes over rows that hang together, per pass asked for.
@@ -182,17 +182,7 @@ impl Pass<'_> {
             };
             row.response.mass = inverse(own + row.response.rigid_along(row.normal) + row.softness);
         }
-        for (i, tie) in self.ties.iter_mut().enumerate() {
-            let own = self.points.response(tie.terms) + tie.softness;
-            let rigid = self.shadows[tie.shadow as usize].response_matrix(tie.arm);
-            let k = DMat3::from_diagonal(DVec3::splat(own)) + rigid;
-            tie.give = Give::of(self.points.give(tie.terms), &rigid);
-            tie.mass = match self.composites.mass(i, rigid) {
-                Some(mass) => mass,
-                None if own > 0.0 => k.inverse(),
-                None => pseudo_inverse(k),
-            };
-        }
+        self.prepare_ties();
     }
 
     fn solve_rigid(&mut self, reversed: bool) -> bool {
@@ -329,56 +319,6 @@ impl Pass<'_> {
         self.note(i, rubbed)
     }
 
-    fn solve_ties(&mut self, order: impl Iterator<Item = usize>) -> bool {
-        let mut changed = false;
-        for i in order {
-            let tie = &self.ties[i];
-            let terms = self.points.terms_of(tie.terms);
-            let number = self.contacts.len() + i;
-            if self.worklist.visit(number, terms, [tie.shadow; 2]) {
-                changed |= self.solve_tie(i);
-            }
-        }
-        changed
-    }
-
-    /// Solves a tie, within its composite or else as if it were the only one; whether it was not settled yet.
-    pub fn solve_tie(&mut self, i: usize) -> bool {
-        if self.composites.of_tie(i).is_some() {
-            return self.follow(i);
-        }
-        let error = self.tie_error(i);
-        let tie = &mut self.ties[i];
-        let shadow = &mut self.shadows[tie.shadow as usize];
-        let change = -(tie.mass * error);
-        tie.impulse += change;
-        self.points.push(tie.terms, change);
-        shadow.push(tie.arm, -change);
-        let tie = &self.ties[i];
-        let square = tie.impulse.length_squared();
-        let felt = self.settled.felt(change.length_squared(), square, tie.give);
-        if felt.any() {
-            let terms = self.points.terms_of(tie.terms);
-            self.worklist.change(terms, [tie.shadow; 2], felt);
-        }
-        felt.any()
-    }
-
-    /// By how much the velocity of a tie's point differs from what it is to be \[m/s\].
-    #[inline(always)]
-    pub fn tie_error(&self, i: usize) -> DVec3 {
-        let shadow = &self.shadows[self.ties[i].shadow as usize];
-        self.tie_error_of(i, (shadow.v, shadow.w))
-    }
-
-    /// The same while the shadow moves with these velocities \[m/s, rad/s\].
-    #[inline(always)]
-    pub fn tie_error_of(&self, i: usize, (v, w): (DVec3, DVec3)) -> DVec3 {
-        let tie = &self.ties[i];
-        let anchor = v + w.cross(tie.arm);
-        self.points.velocity(tie.terms) - (anchor + tie.bias - tie.impulse * tie.softness)
-    }
-
     /// The reactions, summed up for the hand-over.
     fn book(&mut self) {
         let mut book = |shadow: u32, arm: DVec3, j: DVec3| {
@@ -393,25 +333,6 @@ impl Pass<'_> {
             book(tie.shadow, tie.arm, tie.impulse);
         }
     }
-}
-
-/// The inverse of a symmetric matrix in the directions in which anything gives way: a body with locked axes and the arm of
-/// a turning one leave some in which nothing does, and no impulse there changes a velocity.
-fn pseudo_inverse(k: DMat3) -> DMat3 {
-    let [x, y, z] = k.to_cols_array_2d();
-    let k = na::Matrix3::from_columns(&[x.into(), y.into(), z.into()]);
-    let Some(eigen) = na::SymmetricEigen::try_new(k, f64::EPSILON, 64) else {
-        return DMat3::ZERO;
-    };
-    let least = 1e-9 * eigen.eigenvalues.max();
-    (0..3)
-        .filter(|&i| eigen.eigenvalues[i] > least)
-        .map(|i| {
-            let axis = DVec3::from_array(eigen.eigenvectors.column(i).into_owned().into());
-            DMat3::from_cols(axis * axis.x, axis * axis.y, axis * axis.z)
-                * (1.0 / eigen.eigenvalues[i])
-        })
-        .fold(DMat3::ZERO, |sum, term| sum + term)
 }
 
 /// 1/k, or 0 for what does not give way at all.
