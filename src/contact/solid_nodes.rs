@@ -41,7 +41,7 @@ impl SolidNodes {
         touches.begin();
         let count = site.side.state.particles.len();
         let reach = target.skin + site.reach.farthest;
-        nodes.visit(count, way, (reach, site.reach.farthest), |i| {
+        nodes.visit(count, way, (reach, site.reach.farthest), |i, _| {
             let place = frame.to_local(site.side.state, i);
             let found = solid.signed_distance(place);
             let mut making = Making {

@@ -40,14 +40,14 @@ impl Watch {
     }
 
     /// Calls `look` for all of `count` elements that may be within `reach` m, in ascending order. `way` is how far both
-    /// sides have moved in all, or more; `look` tells how far off the element is, or less. `step` is about the way of
-    /// some substeps \[m\].
+    /// sides have moved in all, or more; `look` is told how far off the element is at least and tells how far it is, or less.
+    /// `step` is about the way of some substeps \[m\].
     pub fn visit(
         &mut self,
         count: usize,
         way: f64,
         (reach, step): (f64, f64),
-        mut look: impl FnMut(u32) -> f64,
+        mut look: impl FnMut(u32, f64) -> f64,
     ) {
         if self.due.len() != count {
             self.due.clear();
@@ -72,7 +72,7 @@ impl Watch {
                 }
                 continue;
             }
-            *due = way + look(i);
+            *due = way + look(i, *due - way);
             self.late += usize::from(*due > self.horizon);
             let arrives = if due.is_nan() {
                 f64::NEG_INFINITY
@@ -119,7 +119,7 @@ mod tests {
         let (mut looks, mut near) = (0, 0);
         for _ in 0..2000 {
             let mut seen = Vec::new();
-            watch.visit(places.len(), way, (reach, reach), |i| {
+            watch.visit(places.len(), way, (reach, reach), |i, _| {
                 seen.push(i);
                 places[i as usize].abs()
             });
@@ -148,12 +148,12 @@ mod tests {
     fn at_rest_only_what_is_near_stays_listed() {
         let mut watch = Watch::default();
         for _ in 0..3 {
-            watch.visit(1000, 0.0, (1e-3, 1e-3), |i| f64::from(i) * 1e-2);
+            watch.visit(1000, 0.0, (1e-3, 1e-3), |i, _| f64::from(i) * 1e-2);
         }
         assert_eq!(watch.soon.len(), 2);
         // Nothing is forgotten by that.
         let mut seen = Vec::new();
-        watch.visit(1000, 0.5, (1e-3, 1e-3), |i| {
+        watch.visit(1000, 0.5, (1e-3, 1e-3), |i, _| {
             seen.push(i);
             f64::from(i) * 1e-2 - 0.5
         });
@@ -163,9 +163,9 @@ mod tests {
     #[test]
     fn nothing_is_looked_at_where_nothing_is_left() {
         let mut watch = Watch::default();
-        watch.visit(10, 0.0, (1.0, 1.0), |_| 0.0);
+        watch.visit(10, 0.0, (1.0, 1.0), |_, _| 0.0);
         watch.reset();
-        watch.visit(0, 0.0, (1.0, 1.0), |_| panic!("there is nothing"));
+        watch.visit(0, 0.0, (1.0, 1.0), |_, _| panic!("there is nothing"));
     }
 
     #[test]
@@ -173,7 +173,7 @@ mod tests {
         let mut watch = Watch::default();
         for _ in 0..3 {
             let mut seen = 0;
-            watch.visit(2, 0.0, (1.0, 1.0), |_| {
+            watch.visit(2, 0.0, (1.0, 1.0), |_, _| {
                 seen += 1;
                 f64::NAN
             });

@@ -66,8 +66,7 @@ impl ConvexFeatures {
     ) {
         self.on_faces.begin();
         self.on_edges.begin();
-        // Rows made points faster since the reach was found, at most as fast again.
-        let near = target.skin + 2.0 * site.reach.farthest;
+        let near = target.skin + site.reach.farthest;
         let mut bounds = None;
         for part in &mut self.parts {
             let mut bounds = || *bounds.get_or_insert_with(|| site.side.bounds(collider));
@@ -86,14 +85,15 @@ impl ConvexFeatures {
                 site,
                 touches: &mut self.on_faces,
                 near,
+                deep: false,
             };
             let count = making.site.side.topology.faces.len();
             let (points, met) = (&mut self.points, &mut self.met);
             let mut look = |making: &mut Making, met: &mut Vec<Met>| {
                 met.clear();
                 let reach = (making.near, near);
-                part.faces.visit(count, way, reach, |f| {
-                    making.meet(convex, (p, f), points, met)
+                part.faces.visit(count, way, reach, |f, bound| {
+                    making.meet(convex, (p, f), bound, points, met)
                 });
                 met.sort_unstable_by_key(|m| (m.point, m.face));
             };
@@ -101,6 +101,7 @@ impl ConvexFeatures {
             if making.misses_some(p, met) {
                 // A point that was known may have come deep under another face.
                 making.near = near.max(making.deepest_point());
+                making.deep = true;
                 look(&mut making, met);
             }
             for met in met.chunk_by(|a, b| a.point == b.point) {
@@ -120,11 +121,13 @@ impl ConvexFeatures {
                 site,
                 touches: &mut self.on_edges,
                 near,
+                deep: false,
             };
             let count = making.site.side.topology.edges.len();
             let reach = (near, near);
-            part.edges
-                .visit(count, way, reach, |e| making.edge(convex, [p, e]));
+            part.edges.visit(count, way, reach, |e, bound| {
+                making.edge(convex, [p, e], bound)
+            });
         }
     }
 }
@@ -136,6 +139,7 @@ impl Making<'_, '_> {
         &self,
         part: &Convex,
         (p, f): (u32, u32),
+        bound: f64,
         points: &mut Vec<DVec3>,
         met: &mut Vec<Met>,
     ) -> f64 {
@@ -144,7 +148,9 @@ impl Making<'_, '_> {
         let patch = Patch::new(self.corners(nodes));
         let (lo, hi) = bounds(patch.corners().iter().copied());
         let apart = part.solid.points_apart(lo, hi);
-        if apart > self.near && !self.touches.knows_last(p, f) {
+        let apart = apart.max(bound);
+        let beyond = apart > self.near || apart > self.reach(nodes, patch.corners());
+        if beyond && !self.touches.knows_last(p, f) {
             return apart;
         }
         let (middle, radius) = patch.ball();
@@ -190,7 +196,13 @@ impl Making<'_, '_> {
             return 0.0;
         }
         if part.solid.has_rim() {
-            return apart;
+            // Of all that a flat face can touch the lowest is among the points, however it turns: no other has a bound.
+            let corners = patch.corners();
+            let height = |point: &DVec3| {
+                let over = corners.iter().map(|c| (*point - *c).dot(n));
+                over.fold(f64::INFINITY, f64::min)
+            };
+            return apart.max(points.iter().map(height).fold(f64::INFINITY, f64::min));
         }
         // Grown points turn with the face, those they have grown from do not.
         let grown = n * part.solid.edge_radius();
@@ -200,13 +212,15 @@ impl Making<'_, '_> {
 
     /// An edge against the part: where it crosses the part's edges, and where it comes nearest to a round side.
     /// Returns how far it is from any of them, or less \[m\].
-    fn edge(&mut self, part: &Convex, [p, e]: [u32; 2]) -> f64 {
+    fn edge(&mut self, part: &Convex, [p, e]: [u32; 2], bound: f64) -> f64 {
         let nodes = self.site.side.topology.edges[e as usize];
         let corners = self.ends(&nodes);
         let [a, b] = corners;
         let apart = part.solid.edges_apart(a.min(b), a.max(b));
+        let apart = apart.max(bound);
         let known = self.touches.knows([p, e]);
-        if apart > self.near && !known {
+        let beyond = apart > self.near || apart > self.reach(&nodes, &corners);
+        if beyond && !known {
             return apart;
         }
         let away = part.solid.signed_distance(0.5 * (a + b)).0 - 0.5 * a.distance(b);
@@ -254,8 +268,12 @@ impl Making<'_, '_> {
             // What touches may be deeper next time.
             return 0.0;
         }
+        if part.solid.has_round_side() {
+            // Nothing of the solid is nearer.
+            return apart.max(side);
+        }
         let within = most.max(a.distance(b));
-        apart.max(part.solid.edges_from(a, b, within).min(side))
+        apart.max(part.solid.edges_from(a, b, within))
     }
 }
 

@@ -56,6 +56,8 @@ pub(super) struct Making<'a, 's> {
     pub touches: &'a mut Touches,
     /// How far anything can be from what is sharp and still matter \[m\].
     pub near: f64,
+    /// Whether points that are known to touch are looked for wherever they may be, however slow things are.
+    pub deep: bool,
 }
 
 /// A point of a face or an edge that meets the target, in its frame.
@@ -190,6 +192,22 @@ impl Making<'_, '_> {
         let state = self.site.side.state;
         let velocities = nodes.iter().map(|&i| state.velocity(i as usize));
         (weigh(weights, velocities) - self.site.shadow.velocity_at(arm)).length()
+    }
+
+    /// From what distance on no point of a face or an edge can touch within the substep \[m\]: none moves faster relative to the
+    /// collider than the fastest corner does.
+    pub(super) fn reach(&self, nodes: &[u32], corners: &[DVec3]) -> f64 {
+        if self.deep {
+            return self.near;
+        }
+        let Site { side, shadow, .. } = &*self.site;
+        let relative = |(&node, &corner): (&u32, &DVec3)| {
+            let velocity = side.state.velocity(node as usize);
+            (velocity - shadow.velocity_at(self.arm(corner))).length_squared()
+        };
+        let squared = nodes.iter().zip(corners).map(relative);
+        let fastest = squared.fold(0.0, f64::max).sqrt();
+        self.skin + self.site.reach.at(fastest)
     }
 
     /// From the collider's centre of mass to a point of the frame \[m\].

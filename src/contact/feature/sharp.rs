@@ -161,6 +161,7 @@ impl SharpFeatures {
             site,
             touches: &mut self.on_faces,
             near,
+            deep: false,
         };
         let met = &mut self.buffers.met;
         met.clear();
@@ -172,24 +173,24 @@ impl SharpFeatures {
             met.extend(found);
             if found.is_some() { 0.0 } else { apart }
         };
-        let look = |k: u32| meet(&making, met, points[k as usize]);
+        let look = |k: u32, _| meet(&making, met, points[k as usize]);
         self.points_watch
             .visit(points.len(), way, (near, near), look);
         if making.misses_some(0, met) {
             met.clear();
-            making.near = farthest;
-            let look = |k: u32| meet(&making, met, points[k as usize]);
+            (making.near, making.deep) = (farthest, true);
+            let look = |k: u32, _| meet(&making, met, points[k as usize]);
             self.points_watch
                 .visit(points.len(), way, (farthest, near), look);
         }
         for met in met.chunk_by(|a, b| a.point == b.point) {
             making.point(0, met);
         }
-        making.near = near;
+        (making.near, making.deep) = (near, false);
         making.touches = &mut self.on_edges;
         let (edges, crossings) = (&self.edges, &self.crossings);
         self.crossings_watch
-            .visit(crossings.len(), way, (near, near), |k| {
+            .visit(crossings.len(), way, (near, near), |k, _| {
                 let [e, other] = crossings[k as usize];
                 making.meet_edge(e, &edges[other as usize], edges)
             });
