@@ -110,12 +110,18 @@ impl Limited<'_> {
     ) -> Nodes<V> {
         let place = (slice, part);
         if self.limits.is_untouched(slice) {
-            let rule = Untouched {
-                rest: table.rests(),
-                slacks: self.limits.slacks,
+            let (sums, within) = if table.is_regular(slice) {
+                let rule = Untouched {
+                    rest: table.rests(),
+                    slacks: self.limits.slacks,
+                };
+                let slots = table.regular_slots(slice, runs);
+                add_springs::<V, _, _, DAMPED>(table, slots, part, nodes, &rule)
+            } else {
+                let rule = self.limits.rule::<true>();
+                let slots = rule.slots(table.range(slice), table.slots(slice));
+                add_springs::<V, _, _, DAMPED>(table, slots, part, nodes, &rule)
             };
-            let slots = table.regular_slots(slice, runs);
-            let (sums, within) = add_springs::<V, _, _, DAMPED>(table, slots, part, nodes, &rule);
             if within {
                 return sums;
             }
@@ -144,7 +150,7 @@ impl Limited<'_> {
         I: Iterator<Item = (usize, E, usize)>,
     {
         if !self.limits.is_untouched(slice) && !self.limits.is_busy(slice, part) {
-            let rule = self.limits.rule();
+            let rule = self.limits.rule::<false>();
             let slots = rule.slots(table.range(slice), slots());
             let (sums, within) = add_springs::<V, _, _, DAMPED>(table, slots, part, nodes, &rule);
             if within {

@@ -21,8 +21,8 @@ pub struct Limits {
     pub width: Option<Width>,
     /// Per part of a slice how many substeps in which nothing flows are to come before its springs have ranges again.
     pub busy: Vec<[u8; 4]>,
-    /// Per slice whether it is regular and no spring of it has ever gone beyond its slack, so that all have the rest lengths of
-    /// the constants.
+    /// Per slice whether no spring of it has ever gone beyond its slack, so that in a regular one all have the rest lengths of the
+    /// constants.
     pub untouched: Vec<bool>,
     /// Per slice whether the state does not have yet what has flowed.
     pub unsaved: Vec<bool>,
@@ -55,7 +55,7 @@ struct BySlices<'a> {
 
 /// No spring of half a slot flows or breaks while its elongation over its rest length lies between these two, by halves; of the
 /// whole slot where it is not cut into parts. NaN where that is not known, and without meaning where the part of the slice
-/// is busy.
+/// is busy. Of a slice that is not regular and untouched the second is the least slack \[m\].
 #[derive(Clone, Copy, Debug)]
 pub struct Ranges {
     least: [f32; 2],
@@ -89,6 +89,22 @@ impl Ranges {
         least: [f32::NAN; 2],
         most: [f32::NAN; 2],
     };
+
+    /// Of springs that have never gone beyond these slacks \[m\].
+    pub fn of_slacks(slacks: &Wide) -> Self {
+        let least = |lanes: &[f32]| lanes.iter().copied().fold(f32::INFINITY, f32::min);
+        let (first, second) = slacks.0.split_at(LANES / 2);
+        Self {
+            most: [least(first), least(second)],
+            ..Self::UNKNOWN
+        }
+    }
+
+    /// The least slack of a part of an untouched slot \[m\].
+    #[inline(always)]
+    pub fn slack<V: Vector>(&self, part: usize) -> V {
+        V::of(self.most[half::<V>(part)].into())
+    }
 
     /// Of the lanes of a part that were `within`, those whose elongation is in range.
     #[inline(always)]
@@ -191,7 +207,7 @@ impl<'a> Span<'a> {
         *busy == 0
     }
 
-    /// Whether a slice is regular and no spring of it has gone beyond its slack.
+    /// Whether no spring of a slice has gone beyond its slack.
     #[inline(always)]
     pub fn is_untouched(&self, slice: usize) -> bool {
         self.slices.untouched[slice - self.slices.first]
@@ -212,9 +228,9 @@ impl<'a> Span<'a> {
         self.slices.unsaved[slice - self.slices.first] = true;
     }
 
-    /// The rule of springs by slots.
+    /// The rule of springs by slots, of untouched slices or of others.
     #[inline(always)]
-    pub fn rule(&self) -> BySlot<'_> {
+    pub fn rule<const UNTOUCHED: bool>(&self) -> BySlot<'_, UNTOUCHED> {
         BySlot {
             first: self.slots.first,
             rest: self.slots.rest,

@@ -226,7 +226,6 @@ impl Builder<'_> {
         };
         let mut ends = nodes.iter().flat_map(|&n| self.adjacency.at(n));
         let steps = steps.map(|steps| steps.filter(|_| ends.all(tells)));
-        let mut untouched = false;
         match steps {
             Some(Some(steps)) => {
                 for &step in steps {
@@ -240,9 +239,6 @@ impl Builder<'_> {
                     self.push_slot(sell, nodes, &ends, true);
                     sell.layout.starts.push(sell.mirror.start(slice, step));
                 }
-                let flows = |end: &(u32, u32)| self.state.flow[end.0 as usize] != 0.0;
-                let mut ends = nodes.iter().flat_map(|&n| self.adjacency.at(n));
-                untouched = !ends.any(flows);
             }
             _ => {
                 let longest = nodes.iter().map(|&n| self.adjacency.at(n).len()).max();
@@ -264,6 +260,8 @@ impl Builder<'_> {
             layout.regular.push(steps.is_some());
         }
         if let Some(limits) = &mut sell.limits {
+            let flows = |end: &(u32, u32)| self.state.flow[end.0 as usize] != 0.0;
+            let untouched = !nodes.iter().flat_map(|&n| self.adjacency.at(n)).any(flows);
             // The first pass makes those busy that are not untouched.
             limits.busy.push([0; 4]);
             limits.untouched.push(untouched);
@@ -289,12 +287,9 @@ impl Builder<'_> {
         let limited = sell.limits.is_some();
         let none = Wide([0.0; LANES]);
         let fixed = if regular || !limited { rest } else { none };
-        let slacks = if regular && limited {
-            self.slacks(ends)
-        } else {
-            none
-        };
-        let key = [stiffness, damping, fixed, slacks].map(|w| w.0.map(f32::to_bits));
+        let slacks = if limited { self.slacks(ends) } else { none };
+        let known = if regular { slacks } else { none };
+        let key = [stiffness, damping, fixed, known].map(|w| w.0.map(f32::to_bits));
         let next = layout.stiffness.len() as u32;
         let which = *self.distinct.entry(key).or_insert(next);
         let has_regular = !layout.regular.is_empty() || regular;
@@ -312,11 +307,11 @@ impl Builder<'_> {
         if let Some(limits) = &mut sell.limits {
             if which == next && has_regular {
                 limits.slacks.resize(next as usize, none);
-                limits.slacks.push(slacks);
+                limits.slacks.push(known);
             }
             let of = |end: Option<(u32, u32)>| Some(&self.table[end?.0 as usize]);
             limits.palette.push(&mut self.mixer, ends.map(of));
-            limits.push_slot(ends, own, self.state, rest);
+            limits.push_slot(ends, own, self.state, (rest, &slacks));
         }
     }
 
@@ -352,7 +347,7 @@ impl Limits {
         ends: &Ends,
         own: impl Fn(usize) -> u32,
         state: &State<f32>,
-        rest: Wide,
+        (rest, slacks): (Wide, &Wide),
     ) {
         let tells = |l: usize| ends[l].filter(|(_, other)| own(l) < *other);
         self.telling
@@ -361,6 +356,6 @@ impl Limits {
             ends.map(|e| e.map_or(0.0, |(s, _)| state.flow[s as usize])),
         ));
         self.rest.push(rest);
-        self.ranges.push(Ranges::UNKNOWN);
+        self.ranges.push(Ranges::of_slacks(slacks));
     }
 }

@@ -90,15 +90,15 @@ impl<V: Vector> Rule<V> for Free<'_> {
     }
 }
 
-/// Springs with limits, by slots from one on.
+/// Springs with limits, by slots from one on; none of those that are `UNTOUCHED` has gone beyond its slack.
 #[derive(Clone, Copy)]
-pub struct BySlot<'a> {
+pub struct BySlot<'a, const UNTOUCHED: bool> {
     pub first: usize,
     pub rest: &'a [Wide],
     pub ranges: &'a [Ranges],
 }
 
-impl<'a> BySlot<'a> {
+impl<'a, const UNTOUCHED: bool> BySlot<'a, UNTOUCHED> {
     /// The slots of a slice, with what is known of each.
     #[inline(always)]
     pub fn slots<E>(
@@ -113,7 +113,7 @@ impl<'a> BySlot<'a> {
     }
 }
 
-impl<'a, V: Vector> Rule<V> for BySlot<'a> {
+impl<'a, V: Vector, const UNTOUCHED: bool> Rule<V> for BySlot<'a, UNTOUCHED> {
     const LIMITED: bool = true;
     const ASKS_ALL: bool = true;
     type Slot = (&'a Wide, &'a Ranges);
@@ -132,11 +132,16 @@ impl<'a, V: Vector> Rule<V> for BySlot<'a> {
         (_, ranges): Self::Slot,
         (_, part): (usize, usize),
     ) -> V::Mask {
-        ranges.keep(part, within, elongation, rest)
+        if UNTOUCHED {
+            let slack: V = ranges.slack(part);
+            slack.also_above(elongation.abs(), within)
+        } else {
+            ranges.keep(part, within, elongation, rest)
+        }
     }
 }
 
-/// Springs with limits of which none has gone beyond its slack, by constants.
+/// Springs of a regular slice with limits of which none has gone beyond its slack, by constants.
 #[derive(Clone, Copy)]
 pub struct Untouched<'a> {
     pub rest: &'a [Wide],
