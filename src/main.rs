@@ -9,13 +9,16 @@ use clap::{Parser, Subcommand};
 use cli::Failure;
 use std::process::ExitCode;
 
+/// Tens of thousands take minutes to start before any of them does something.
+const MOST_THREADS: i64 = 1024;
+
 /// Crash scenes of deformable bodies in a Rapier world.
 #[derive(Parser)]
 #[command(version, about)]
 struct Arguments {
     /// How many threads compute, by default as many as the machine has. Results don't depend on it.
-    #[arg(long, global = true, value_name = "N")]
-    threads: Option<std::num::NonZeroUsize>,
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS))]
+    threads: Option<u16>,
     #[command(subcommand)]
     command: Command,
 }
@@ -46,7 +49,7 @@ enum Command {
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     if let Some(threads) = arguments.threads {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.get());
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
         if let Err(error) = pool.build_global() {
             eprintln!("error: can't start {threads} threads: {error}");
             return ExitCode::from(2);

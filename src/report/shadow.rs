@@ -113,8 +113,8 @@ impl Shadow {
     /// The share at a point of the plane, between the cells around it.
     pub fn at(&self, p: [Real; 2]) -> f32 {
         let [x, y] = [0, 1].map(|k| (p[k] - self.low[k]) / self.cell - 0.5);
-        if !(x >= 0.0 && y >= 0.0) || x as usize + 1 >= self.columns || y as usize + 1 >= self.rows
-        {
+        let is_inside = |x: Real, cells: usize| x >= 0.0 && x + 1.0 < cells as Real;
+        if !is_inside(x, self.columns) || !is_inside(y, self.rows) {
             return 0.0;
         }
         let (i, j) = (x as usize, y as usize);

@@ -15,8 +15,9 @@ impl Deformable {
     /// Sets the factor on the world's gravity, from the next step on. A factor that is not finite changes nothing: `false`.
     pub fn set_gravity_scale(&mut self, scale: Real) -> bool {
         let ok = scale.is_finite();
-        if ok {
+        if ok && scale != self.gravity_scale {
             self.gravity_scale = scale;
+            self.wake_up();
         }
         ok
     }

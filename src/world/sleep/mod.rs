@@ -81,7 +81,9 @@ impl Deformable {
         let damped = self.solver.external.drag > 0.0
             || self.blueprint.springs.iter().any(|s| s.damping > 0.0)
             || solid.is_some_and(|s| s.mass_damping > 0.0 || s.stiffness_damping > 0.0);
-        self.sleep.allowed && damped && self.field.is_none() && self.led.is_empty()
+        let mut pinned = self.state.particles.iter().filter(|p| p.inv_mass == 0.0);
+        let moved = !self.led.is_empty() || pinned.any(|p| p.v != [0.0; 3]);
+        self.sleep.allowed && damped && self.field.is_none() && !moved
     }
 
     /// Stops it where it is. Its last motion is taken from it as external work.

@@ -311,17 +311,40 @@ fn what_does_not_sleep() {
         .can_sleep(false)
         .translation(Vector::new(2.0, 0.15, 0.0));
     let sleepless = set.insert(sleepless).unwrap();
+    let net = lattice(Vector::splat(0.2), 0.1).unwrap().pin(|_| true);
+    let led = DeformableBuilder::new(net).material(Material::rubber());
+    let led = set.insert(led.translation(Vector::X * 5.0)).unwrap();
+    let pins: Vec<_> = (0..set[led].node_count() as u32).map(NodeId).collect();
+    for &pin in &pins {
+        assert!(set[led].set_linvel_of(pin, Vector::X * 1e-3));
+    }
     let before = set[drifting].center_of_mass().x;
+    let led_before = set[led].center_of_mass().x;
     for _ in 0..600 {
         set.step(&mut world);
     }
     let awake = |h| !set[h].is_sleeping();
-    assert!(awake(drifting) && awake(spring) && awake(sleepless));
+    assert!(awake(drifting) && awake(spring) && awake(sleepless) && awake(led));
+    let way = set[led].center_of_mass().x - led_before;
+    assert!((way - 0.01).abs() < 1e-5, "{way}");
     let way = set[drifting].center_of_mass().x - before;
     assert!((way - 0.01).abs() < 1e-5, "{way}");
     let e = set[spring].energies();
     let held = (e.kinetic + e.elastic) / 0.5e-6;
     assert!((held - 1.0).abs() < 1e-2, "{held}");
+}
+
+/// A factor on gravity that is another one wakes its body, the same does not.
+#[test]
+fn another_gravity_scale_wakes() {
+    let (mut world, mut set, soft, _) = cube_asleep();
+    assert!(set[soft].set_gravity_scale(1.0) && set[soft].is_sleeping());
+    assert!(set[soft].set_gravity_scale(-1.0) && !set[soft].is_sleeping());
+    for _ in 0..30 {
+        set.step(&mut world);
+    }
+    let height = set[soft].center_of_mass().y;
+    assert!(height > 1.0, "{height}");
 }
 
 /// A saved sleeper sleeps on, and wakes like the one it is a copy of.
