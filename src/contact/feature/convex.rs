@@ -161,7 +161,8 @@ impl Making<'_, '_> {
         let Some(mut n) = patch.normal() else {
             return apart;
         };
-        if (part.centre - patch.corners()[0]).dot(n) < 0.0 {
+        // The corners of a twisted face lie off it, its middle is on it.
+        if (part.centre - middle).dot(n) < 0.0 {
             if side.topology.closed {
                 return apart;
             }
