@@ -108,8 +108,8 @@ impl Solid {
         rims.into_iter().take(count)
     }
 
-    /// How far the segment `a`–`b` \[m\] is from the edges and rims of a convex solid, or less, up to `within` m: no number
-    /// where it has others.
+    /// How far the segment `a`–`b` \[m\] is from the straight edges of a convex solid, or less, up to `within` m: −∞ where it has
+    /// rims, or is not convex.
     pub fn edges_from(&self, a: DVec3, b: DVec3, within: f64) -> f64 {
         let margin = DVec3::splat(within + self.radius);
         let (lo, hi) = (a.min(b) - margin, a.max(b) + margin);
@@ -127,11 +127,9 @@ impl Solid {
                     try_out([p, q]);
                 }
             }),
-            Core::Cylinder(..) | Core::Cone(..) => {
-                let apart = self.rims().map(|rim| rim.apart(a, b));
-                least = apart.fold(least, f64::min);
+            Core::Cylinder(..) | Core::Cone(..) | Core::Compound(_) | Core::Voxels(_) => {
+                return f64::NEG_INFINITY;
             }
-            Core::Compound(_) | Core::Voxels(_) => return f64::NEG_INFINITY,
         }
         least - self.radius
     }

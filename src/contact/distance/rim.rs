@@ -56,7 +56,7 @@ impl Rim {
     }
 
     /// How far the segment from `a` to `b` is from the rim, or less \[m\].
-    pub fn apart(&self, a: DVec3, b: DVec3) -> f64 {
+    fn apart(&self, a: DVec3, b: DVec3) -> f64 {
         let middle = 0.5 * (a + b);
         self.way(middle, radial(middle).1).length() - 0.5 * a.distance(b)
     }

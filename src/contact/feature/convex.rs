@@ -1,12 +1,13 @@
 //! Faces and edges of one body against the convex parts of a solid.
 
 use super::making::{BORDER, Making, Met};
+use super::meet::{ALIKE, share_node};
 use super::part::{Convex, Part};
 use super::patch::Patch;
 use crate::contact::distance::{Crossing, Solid};
 use crate::contact::site::Site;
 use crate::contact::target::{Frame, Target};
-use crate::contact::touches::Touches;
+use crate::contact::touches::{Key, Touches};
 use crate::math::DVec3;
 use crate::solve::rows::Rows;
 
@@ -161,8 +162,8 @@ impl Making<'_, '_> {
         let Some(mut n) = patch.normal() else {
             return apart;
         };
-        // The corners of a twisted face lie off it, its middle is on it.
-        if (part.centre - middle).dot(n) < 0.0 {
+        let known = self.side(part, p, (nodes, &patch, n));
+        if known.unwrap_or_else(|| (part.centre - middle).dot(n)) < 0.0 {
             if side.topology.closed {
                 return apart;
             }
@@ -185,7 +186,13 @@ impl Making<'_, '_> {
             let Some(foot) = patch.foot(point) else {
                 continue;
             };
-            let outward = foot.normal * 1.0_f64.copysign(foot.normal.dot(n));
+            let out = if known.is_some() || side.topology.closed {
+                n
+            } else {
+                // What is beside a face may be below it without having come through: past a ridge, its points tell.
+                point - foot.point
+            };
+            let outward = foot.normal * 1.0_f64.copysign(foot.normal.dot(out));
             let found = self.over((i, point), (f, &patch), (&foot, outward), deepest);
             if found.is_some() && self.is_internal_corner(part, point, -n) {
                 continue;
@@ -197,7 +204,7 @@ impl Making<'_, '_> {
             return 0.0;
         }
         if part.solid.has_rim() {
-            // Of all that a flat face can touch the lowest is among the points, however it turns: no other has a bound.
+            // A rim has more than those points, but none lower: the others are as high over all corners.
             let corners = patch.corners();
             let height = |point: &DVec3| {
                 let over = corners.iter().map(|c| (*point - *c).dot(n));
@@ -209,6 +216,31 @@ impl Making<'_, '_> {
         let grown = n * part.solid.edge_radius();
         let far = points.iter().map(|&point| patch.apart(point + grown));
         apart.max(far.fold(f64::INFINITY, f64::min) - part.solid.edge_radius())
+    }
+
+    /// On which side of a face the part is, along the normal at its middle: where it was when it last touched this face or one
+    /// beside it, or else where its centre is, if that is over the face, or else where other parts were.
+    fn side(
+        &self,
+        part: &Convex,
+        p: u32,
+        (nodes, patch, n): (&[u32], &Patch, DVec3),
+    ) -> Option<f64> {
+        let faces = &self.site.side.topology.faces;
+        let beside = |f: u32| {
+            let face = faces.get(f as usize);
+            face.is_some_and(|face| share_node(face.nodes(), nodes))
+        };
+        let last = |own: bool| {
+            let is = |[part, _, f]: Key| (part == p) == own && beside(f);
+            let along = self.touches.normal_along(n, is).map(|last| -last.dot(n));
+            along.filter(|along| along.abs() > ALIKE)
+        };
+        let over = || {
+            let foot = patch.foot(part.centre)?;
+            Some((part.centre - foot.point).dot(n))
+        };
+        last(true).or_else(over).or_else(|| last(false))
     }
 
     /// An edge against the part: where it crosses the part's edges, and where it comes nearest to a round side.
@@ -270,7 +302,7 @@ impl Making<'_, '_> {
             return 0.0;
         }
         if part.solid.has_round_side() {
-            // Nothing of the solid is nearer.
+            // A rim is a part of the surface, and that is no nearer.
             return apart.max(side);
         }
         let within = most.max(a.distance(b));

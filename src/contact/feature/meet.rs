@@ -14,7 +14,7 @@ use crate::math::DVec3;
 const LEAN: f64 = 0.1;
 
 /// Cosine from which on the side where a neighbour was found tells that of a point.
-const ALIKE: f64 = 0.3;
+pub(super) const ALIKE: f64 = 0.3;
 
 /// How far along each of two segments they come nearest, unless that is more than `overlap` m beyond an end or they are
 /// parallel.
@@ -153,7 +153,7 @@ impl Making<'_, '_> {
 }
 
 /// Whether two faces or edges have a node in common.
-fn share_node(a: &[u32], b: &[u32]) -> bool {
+pub(super) fn share_node(a: &[u32], b: &[u32]) -> bool {
     a.iter().any(|node| b.contains(node))
 }
 

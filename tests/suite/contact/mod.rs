@@ -2,6 +2,7 @@
 
 mod blow;
 mod changes;
+mod coarse;
 mod embed;
 mod fast;
 mod features;

@@ -56,7 +56,8 @@ fn rims_are_crossed_where_a_segment_comes_nearest() {
             let a = on + random.vector() * 0.01 - d * random.unit();
             let at = |t: f64| a + d * t;
             let found = crossings(&shape, a, a + d, 0.02);
-            let from = solid.edges_from(a, a + d, 1.0);
+            // What bounds the distance of edges from rims: they are parts of the surface.
+            let from = solid.nearest_on_segment(a, a + d).1;
             for &(y, _) in &rims {
                 let far = |t: f64| (at(t).x.hypot(at(t).z) - radius).hypot(at(t).y - y);
                 let least = (0..=STEPS).map(|i| far(i as f64 / STEPS as f64));
