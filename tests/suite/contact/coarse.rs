@@ -37,7 +37,7 @@ fn height_on_twisted(
     let face = set.insert(face).unwrap();
     let nearest = |i: &u32| {
         let place = net.nodes[*i as usize].position;
-        (DVec3::from(place.as_dvec3()) - corner).length_squared()
+        (place.as_dvec3() - corner).length_squared()
     };
     let all = 0..net.nodes.len() as u32;
     let node = all
