@@ -4,6 +4,7 @@ use super::making::{BORDER, Making, Met};
 use super::meet::{ALIKE, share_node};
 use super::part::{Convex, Part};
 use super::patch::Patch;
+use super::sharp::FLAT;
 use crate::contact::distance::{Crossing, Solid};
 use crate::contact::site::Site;
 use crate::contact::target::{Frame, Target};
@@ -13,6 +14,9 @@ use crate::solve::rows::Rows;
 
 /// A convex part rounder than this many spacings needs no feature contacts: an edge dips into it by a fiftieth of its length.
 const ROUND: f64 = 6.0;
+
+/// Stands for an edge of the part where an edge of the body comes nearest to a round side.
+const ROUND_SIDE: u32 = u32::MAX;
 
 /// Faces and edges of one body near the convex parts of one target.
 #[derive(Clone, Debug)]
@@ -270,8 +274,11 @@ impl Making<'_, '_> {
         let before = self.site.rows.contacts.len();
         let end = BORDER * self.site.reach.touching / a.distance(b);
         let mut cross = |c: Crossing| {
-            // So near an end it is the node's business.
-            if c.t < end || c.t > 1.0 - end {
+            // So near an end it is the node's business, unless the edge goes in from there: then the node, which may have slid
+            // over the part's edge to the next face, does not hold it.
+            let from = if c.t < 0.5 { [a, b] } else { [b, a] };
+            let at_end = c.t.min(1.0 - c.t) < end;
+            if at_end && (c.edge == ROUND_SIDE || !enters(part, from)) {
                 return;
             }
             let place = a.lerp(b, c.t) - c.normal * c.distance;
@@ -290,7 +297,7 @@ impl Making<'_, '_> {
             side = distance;
             if t > 0.0 && t < 1.0 {
                 cross(Crossing {
-                    edge: u32::MAX,
+                    edge: ROUND_SIDE,
                     t,
                     normal,
                     distance,
@@ -308,6 +315,12 @@ impl Making<'_, '_> {
         let within = most.max(a.distance(b));
         apart.max(part.solid.edges_from(a, b, within))
     }
+}
+
+/// Whether an edge goes into the part from its first end: it does not where that is on a face which the edge lies on or leaves.
+fn enters(part: &Convex, [end, other]: [DVec3; 2]) -> bool {
+    let (_, normal) = part.solid.signed_distance(end);
+    normal.dot(other - end) < -FLAT * end.distance(other)
 }
 
 /// The box around some points.

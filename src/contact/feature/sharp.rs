@@ -20,7 +20,7 @@ use rapier3d::parry::partitioning::{Bvh, BvhBuildStrategy};
 pub(super) const GENTLE: f64 = 0.08;
 
 /// Sine below which a direction lies in a plane.
-const FLAT: f64 = 1e-3;
+pub(super) const FLAT: f64 = 1e-3;
 
 /// How many times the present reach lists are made for, besides what is looked for now.
 const AHEAD: f64 = 16.0;

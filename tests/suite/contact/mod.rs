@@ -1,6 +1,7 @@
 //! Contact of nodes with every shape a collider can have.
 
 mod blow;
+mod brinks;
 mod changes;
 mod coarse;
 mod embed;
