@@ -187,7 +187,7 @@ impl Making<'_, '_> {
             if height > self.skin + self.site.reach.farthest + side.topology.spacing {
                 continue;
             }
-            let Some(foot) = patch.foot(point) else {
+            let (beside, Some(foot)) = self.foot(&patch, point) else {
                 continue;
             };
             let out = if known.is_some() || side.topology.closed {
@@ -197,7 +197,8 @@ impl Making<'_, '_> {
                 point - foot.point
             };
             let outward = foot.normal * 1.0_f64.copysign(foot.normal.dot(out));
-            let found = self.over((i, point), (f, &patch), (&foot, outward), deepest);
+            let at = (beside, &foot, outward);
+            let found = self.over((i, point), (f, &patch), at, deepest);
             if found.is_some() && self.is_internal_corner(part, point, -n) {
                 continue;
             }
@@ -247,6 +248,18 @@ impl Making<'_, '_> {
         last(true).or_else(over).or_else(|| last(false))
     }
 
+    /// Whether this edge crossed another one of the part when it last touched, or one beside it did, from the same side.
+    fn comes_from_beside(&self, [p, e, _]: Key, normal: DVec3) -> bool {
+        let edges = &self.site.side.topology.edges;
+        let nodes = edges[e as usize];
+        let is = |[part, own, _]: Key| {
+            let own = edges.get(own as usize);
+            part == p && own.is_some_and(|own| share_node(own, &nodes))
+        };
+        let last = self.touches.normal_along(normal, is);
+        last.is_some_and(|last| last.dot(normal) > ALIKE)
+    }
+
     /// An edge against the part: where it crosses the part's edges, and where it comes nearest to a round side.
     /// Returns how far it is from any of them, or less \[m\].
     fn edge(&mut self, part: &Convex, [p, e]: [u32; 2], bound: f64) -> f64 {
@@ -287,7 +300,7 @@ impl Making<'_, '_> {
             }
             let at = (c.t, c.normal, c.distance);
             let key = [p, e, c.edge];
-            let known = self.touches.touched(key);
+            let known = self.touches.touched(key) || self.comes_from_beside(key, c.normal);
             self.across((key, known), (&nodes, &corners), at, deepest);
         };
         part.solid.for_each_crossing(a, b, most, &mut cross);

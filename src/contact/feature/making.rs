@@ -18,6 +18,8 @@ pub(super) struct Met {
     depth: f64,
     /// Whether it is so near that it may have come from outside within the substep.
     shallow: bool,
+    /// Whether the point is over no face, and this is the foot on the border of one.
+    beside: bool,
 }
 
 /// How near the border of a face or the end of an edge counts as on it, in distances that count as touching.
@@ -28,6 +30,7 @@ impl Met {
     /// slides over a corner does not meet it with its side.
     fn yields_to(&self, other: &Self, width: f64) -> bool {
         other.shallow
+            && !other.beside
             && self.normal.dot(other.normal) < 0.7
             && self.inset() < width
             && self.inset() < other.inset()
@@ -84,13 +87,23 @@ impl Making<'_, '_> {
         nodes.map(|i| self.frame.to_local(self.site.side.state, i))
     }
 
-    /// A point that comes down on a face, by its number and place, if it may touch; `outward` is the normal at the foot, away
+    /// The foot of a point on a face, and whether it is that on its border, which is looked for where points that were known to
+    /// touch are over no face.
+    pub(super) fn foot(&self, patch: &Patch, point: DVec3) -> (bool, Option<Foot>) {
+        let over = patch.foot(point);
+        if over.is_some() || !self.deep {
+            return (false, over);
+        }
+        (true, patch.foot_on_border(point))
+    }
+
+    /// A point that comes down on a face, or `beside` it, by its number and place, if it may touch; `outward` is the normal at the foot, away
     /// from the body.
     pub(super) fn over(
         &self,
         (number, point): (u32, DVec3),
         (face, patch): (u32, &Patch),
-        (foot, outward): (&Foot, DVec3),
+        (beside, foot, outward): (bool, &Foot, DVec3),
         deepest: f64,
     ) -> Option<Met> {
         let depth = self.skin - (point - foot.point).dot(outward);
@@ -105,6 +118,7 @@ impl Making<'_, '_> {
             normal: -outward,
             depth,
             shallow: depth <= reach,
+            beside,
         })
     }
 
@@ -155,7 +169,7 @@ impl Making<'_, '_> {
     /// known to touch; then it leaves by the nearest.
     pub(super) fn point(&mut self, p: u32, met: &[Met]) {
         let mut any = false;
-        for m in met {
+        for m in met.iter().filter(|m| !m.beside) {
             if met
                 .iter()
                 .any(|other| m.yields_to(other, BORDER * self.site.reach.touching))

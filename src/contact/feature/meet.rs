@@ -50,7 +50,7 @@ impl Making<'_, '_> {
         if apart > self.near && !self.touches.touched(key) {
             return (apart, None);
         }
-        let Some(foot) = patch.foot(p) else {
+        let (beside, Some(foot)) = self.foot(&patch, p) else {
             return (apart, None);
         };
         let outward = if topology.closed {
@@ -74,7 +74,7 @@ impl Making<'_, '_> {
         let met = self.over(
             (corner.id, p),
             (f, &patch),
-            (&foot, outward),
+            (beside, &foot, outward),
             self.deepest_point(),
         );
         (apart, met)

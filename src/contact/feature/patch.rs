@@ -68,6 +68,29 @@ impl Patch {
         }
     }
 
+    /// The foot on the border of a point that is no farther beside the patch than it is over or under it. Under the crease between
+    /// two faces that bend away from it, a point is over neither.
+    pub fn foot_on_border(&self, p: DVec3) -> Option<Foot> {
+        let normal = self.normal()?;
+        let n = self.count;
+        let feet = (0..n).map(|k| {
+            let (a, b) = (self.corners[k], self.corners[(k + 1) % n]);
+            let share = ((p - a).dot(b - a) / a.distance_squared(b)).clamp(0.0, 1.0);
+            let mut weights = [0.0; 4];
+            (weights[k], weights[(k + 1) % n]) = (1.0 - share, share);
+            let point = a.lerp(b, share);
+            Foot {
+                weights,
+                point,
+                normal,
+            }
+        });
+        let far = |foot: &Foot| foot.point.distance_squared(p);
+        let foot = feet.min_by(|a, b| far(a).total_cmp(&far(b)))?;
+        let height = (p - foot.point).dot(normal);
+        (far(&foot) <= 2.0 * height * height).then_some(foot)
+    }
+
     fn on_triangle(&self, p: DVec3, n: DVec3) -> Option<Foot> {
         let [a, b, c, _] = self.corners;
         let area = (b - a).cross(c - a).dot(n);
@@ -198,13 +221,36 @@ mod tests {
     }
 
     #[test]
+    fn a_foot_on_the_border_is_for_points_close_beside() {
+        let corners = [DVec3::ZERO, DVec3::Z, DVec3::new(1.0, 0.0, 1.0), DVec3::X];
+        for count in [3, 4] {
+            let patch = Patch::new(corners[..count].iter().copied());
+            // Beside the side from the first corner to the second.
+            let under = DVec3::new(-0.02, -0.03, 0.4);
+            assert!(patch.foot(under).is_none());
+            let foot = patch.foot_on_border(under).unwrap();
+            assert!(foot.point.distance(DVec3::Z * 0.4) < 1e-12);
+            assert!((foot.weights[0] - 0.6).abs() < 1e-12 && (foot.weights[1] - 0.4).abs() < 1e-12);
+            let farther = DVec3::new(-0.04, -0.03, 0.4);
+            assert!(patch.foot_on_border(farther).is_none());
+            // Beyond a corner.
+            let beyond = patch
+                .foot_on_border(DVec3::new(-0.01, 0.05, -0.01))
+                .unwrap();
+            assert_eq!(beyond.point, DVec3::ZERO);
+        }
+    }
+
+    #[test]
     fn patches_without_area_or_numbers_have_no_feet() {
         let line = [DVec3::ZERO, DVec3::X, DVec3::X * 2.0, DVec3::X * 3.0];
         for count in [3, 4] {
             let patch = Patch::new(line[..count].iter().copied());
             assert!(patch.foot(DVec3::Y).is_none());
+            assert!(patch.foot_on_border(DVec3::Y).is_none());
             let patch = Patch::new([DVec3::NAN; 4][..count].iter().copied());
             assert!(patch.foot(DVec3::Y).is_none());
+            assert!(patch.foot_on_border(DVec3::Y).is_none());
         }
     }
 }

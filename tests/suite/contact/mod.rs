@@ -12,6 +12,7 @@ mod seams;
 mod shapes;
 mod slides;
 mod surface;
+mod yielding;
 
 use crumple::prelude::*;
 use crumple::rapier3d::parry::utils::Array2;
