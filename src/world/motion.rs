@@ -17,6 +17,16 @@ pub(super) struct Start {
     restored: bool,
 }
 
+/// What a body has booked, and what the books are kept by, at the start of a rigid step.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Books {
+    work: Work,
+    /// Elastic energy in the links of its attachments \[J\].
+    links: f64,
+    gravity: [Real; 3],
+    h: f64,
+}
+
 impl Deformable {
     /// Fills the solver's forces from outside for the coming rigid step, and leads its kinematic nodes for `remaining` s.
     pub(super) fn prepare(&mut self, gravity: Vector, remaining: f64) {
@@ -136,7 +146,12 @@ impl Deformable {
             for (node, target) in led {
                 let way = self.state.position(node as usize).distance(target);
                 self.moved += way;
-                self.state.set_position(node as usize, target);
+                if self.solver.last_substep.is_none() {
+                    // The step went wrong and was taken back: it has not been led there.
+                    self.edit(|body| body.state.set_position(node as usize, target));
+                } else {
+                    self.state.set_position(node as usize, target);
+                }
                 self.state.set_velocity(node as usize, DVec3::ZERO);
             }
         }
@@ -151,18 +166,24 @@ impl Deformable {
         if !self.solver.table.limits.is_empty() {
             self.backup.take_over_springs(&self.state);
         }
-        self.work_backup = self.solver.work;
-        self.links_backup = self.links;
+        self.books = Books {
+            work: self.solver.work,
+            links: self.links,
+            gravity: self.solver.external.gravity,
+            h: self.h,
+        };
     }
 
-    /// Back to the start of the rigid step: positions, velocities, what flowed and broke, and the work done.
+    /// Back to the start of the rigid step: positions, velocities, what flowed and broke, the work done, and what gravity and
+    /// substep it was booked by.
     pub(super) fn go_back(&mut self) {
         self.cache.forget();
         self.moved_out.clear();
         self.state.take_over_nodes(&self.backup);
         self.state.take_over_springs(&self.backup);
-        self.solver.work = self.work_backup;
-        self.links = self.links_backup;
+        self.solver.work = self.books.work;
+        self.solver.external.gravity = self.books.gravity;
+        (self.links, self.h) = (self.books.links, self.books.h);
         self.solver.events.clear();
         self.solver.last_substep = None;
         self.start.restored = false;

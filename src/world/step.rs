@@ -201,8 +201,8 @@ impl DeformableWorld {
             body.defaults = defaults;
             body.state.recentre(parts.length_unit());
             body.solver.time = self.time;
-            body.prepare(parts.gravity, left);
             body.back_up();
+            body.prepare(parts.gravity, left);
         }
         let advance = Advance {
             time: self.time,
