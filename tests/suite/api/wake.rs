@@ -1,0 +1,106 @@
+//! What must wake what sleeps: floors that become others.
+
+use crate::fixtures::cube;
+use crumple::prelude::*;
+use crumple::rapier3d::prelude::*;
+
+/// A soft cube asleep on a floor whose top is y = 0.
+fn lying_on(
+    floor: ColliderBuilder,
+) -> (
+    PhysicsWorld,
+    DeformableWorld,
+    DeformableHandle,
+    ColliderHandle,
+) {
+    let mut world = PhysicsWorld::default();
+    let (_, floor) = world.insert(RigidBodyBuilder::fixed(), floor);
+    let mut set = DeformableWorld::new();
+    let soft = set.insert(cube(0.3).translation(Vector::Y * 0.15)).unwrap();
+    for _ in 0..600 {
+        set.step(&mut world);
+    }
+    assert!(set[soft].is_sleeping());
+    (world, set, soft, floor)
+}
+
+/// Nine tiles of 1 m about the origin, without that in the middle where there is a hole.
+fn tiles(hole: bool) -> (Vec<Vector>, Vec<[u32; 3]>) {
+    let at = |i: u32| Vector::new((i % 4) as f32 - 1.5, 0.0, (i / 4) as f32 - 1.5);
+    let corners = (0..16).map(at).collect();
+    let firsts = [0, 1, 2, 4, 5, 6, 8, 9, 10];
+    let kept = firsts.iter().filter(|a| !(hole && **a == 5));
+    let faces = kept.flat_map(|&a| [[a, a + 4, a + 5], [a, a + 5, a + 1]]);
+    (corners, faces.collect())
+}
+
+fn tiled() -> ColliderBuilder {
+    let (corners, faces) = tiles(false);
+    ColliderBuilder::trimesh(corners, faces).unwrap()
+}
+
+/// Nine voxels of 1 m.
+fn voxels() -> ColliderBuilder {
+    let cells: Vec<IVector> = (0..9).map(|i| IVector::new(i % 3, 0, i / 3)).collect();
+    ColliderBuilder::voxels(Vector::ONE, &cells).translation(Vector::new(-1.5, -1.0, -1.5))
+}
+
+fn dig(floor: &mut Collider) {
+    let voxels = floor.shape_mut().as_voxels_mut().unwrap();
+    voxels.set_voxel(IVector::new(1, 0, 1), false);
+}
+
+/// All within the same bounds.
+#[test]
+fn a_floor_that_becomes_another_wakes() {
+    type Change = fn(&mut Collider);
+    let causes: [(&str, ColliderBuilder, bool, Change); 4] = [
+        ("a voxel that was dug out", voxels(), true, dig),
+        ("a mesh with a hole", tiled(), true, |floor| {
+            let (corners, faces) = tiles(true);
+            floor.set_shape(SharedShape::trimesh(corners, faces).unwrap());
+        }),
+        ("a skin", tiled(), false, |floor| {
+            floor.set_contact_skin(0.02)
+        }),
+        ("a rule of friction", tiled(), false, |floor| {
+            floor.set_friction_combine_rule(CoefficientCombineRule::Max)
+        }),
+    ];
+    for (name, floor, falls, change) in causes {
+        let (mut world, mut set, soft, floor) = lying_on(floor);
+        change(&mut world.colliders[floor]);
+        set.step(&mut world);
+        assert!(!set[soft].is_sleeping(), "{name} must wake it");
+        for _ in 0..30 {
+            set.step(&mut world);
+        }
+        let y = set[soft].center_of_mass().y;
+        assert_eq!(y < -0.3, falls, "{name}: {y} m");
+    }
+}
+
+/// A shape that is changed is copied first where somebody else holds it, and one of a snapshot is another one always.
+#[test]
+fn a_saved_sleeper_wakes_by_what_was_changed_before_it_was_saved() {
+    for digs in [false, true] {
+        let (mut world, mut set, soft, floor) = lying_on(voxels());
+        if digs {
+            dig(&mut world.colliders[floor]);
+        }
+        let bytes = set.save(&world).unwrap();
+        let (mut again, mut world_again) = DeformableWorld::load(&bytes).unwrap();
+        for _ in 0..20 {
+            set.step(&mut world);
+            again.step(&mut world_again);
+            assert_eq!(set[soft].is_sleeping(), !digs);
+            assert_eq!(again.state_hash(), set.state_hash());
+        }
+        if digs {
+            continue;
+        }
+        dig(&mut world_again.colliders[floor]);
+        again.step(&mut world_again);
+        assert!(!again[soft].is_sleeping(), "dug out after it was restored");
+    }
+}
