@@ -45,11 +45,35 @@ impl Deformable {
                 .iter()
                 .map(|(kept, once)| (*kept + *once).to_array()),
         );
-        for &(node, target) in &self.led {
-            let v = (target - self.state.position(node as usize)) / remaining;
-            self.state.set_velocity(node as usize, v);
+        let led: Vec<(usize, DVec3)> = self.led_velocities(remaining).collect();
+        for (node, v) in led {
+            self.state.set_velocity(node, v);
         }
         self.solver.speed_squared = self.max_speed_squared();
+    }
+
+    /// The velocities by which led nodes get to their targets within `remaining` s \[m/s\].
+    fn led_velocities(&self, remaining: f64) -> impl Iterator<Item = (usize, DVec3)> + '_ {
+        self.led.iter().map(move |&(node, target)| {
+            let node = node as usize;
+            (node, (target - self.state.position(node)) / remaining)
+        })
+    }
+
+    /// Velocities of all nodes in a step to come, over which led ones are led in `lead` s \[m/s\].
+    pub(super) fn coming_velocities(&self, lead: Option<f64>) -> Vec<DVec3> {
+        let velocity = |i| self.state.velocity(i);
+        let mut velocities: Vec<DVec3> = (0..self.node_count()).map(velocity).collect();
+        let led = lead.into_iter().flat_map(|lead| self.led_velocities(lead));
+        led.for_each(|(node, v)| velocities[node] = v);
+        velocities
+    }
+
+    /// Largest speed of any node in such a step \[m/s\].
+    pub(super) fn coming_speed(&self, lead: Option<f64>) -> f64 {
+        let led = lead.into_iter().flat_map(|lead| self.led_velocities(lead));
+        led.map(|(_, v)| v.length())
+            .fold(self.max_speed(), f64::max)
     }
 
     /// Moves freely over h s.

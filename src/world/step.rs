@@ -67,7 +67,7 @@ impl DeformableWorld {
             let mut parts = RapierParts::from(&mut *world);
             parts.integration_parameters = &parameters;
             if m > 0 {
-                self.wake_islands(&parts, dt / steps as f64);
+                self.wake_more_islands(&parts, dt / steps as f64);
             }
             self.advance(&mut parts, dt / steps as f64, dt, left, observer);
             if steps == 1 {
@@ -164,11 +164,11 @@ impl DeformableWorld {
         if !self.iter().any(|(_, b)| b.is_active()) {
             return false;
         }
-        let search = Search::new(&self.known, parts, dt);
+        let search = Search::ahead(&self.known, parts, dt);
         let mut found = false;
         let mut gate = self.open_gate();
         for (own, body) in self.iter().filter(|(_, b)| b.is_active()) {
-            let own = (own, body, body.max_speed());
+            let own = (own, body, body.coming_speed(search.lead));
             reach::for_each_in_reach(own, &search, &mut gate, |_, collider, pushes| {
                 let moves = collider.parent().is_some_and(awake);
                 found |= pushes && moves && Form::takes(collider.shape());

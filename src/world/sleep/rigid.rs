@@ -34,7 +34,7 @@ impl DeformableWorld {
         if !self.iter().any(|(_, b)| b.is_active()) {
             return;
         }
-        let search = Search::new(&self.known, parts, dt);
+        let search = Search::ahead(&self.known, parts, dt);
         let mut wake = Vec::new();
         let mut forms = std::mem::take(&mut self.forms);
         let mut gate = self.open_gate();

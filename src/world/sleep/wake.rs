@@ -121,19 +121,28 @@ impl DeformableWorld {
         neighbours
     }
 
-    /// Wakes the groups that something will disturb within `dt` s, and what they in turn disturb.
+    /// Wakes the groups that something will disturb in a step of the world of `dt` s, and what they in turn disturb.
     pub(in crate::world) fn wake_islands(&mut self, parts: &RapierParts, dt: f64) {
-        if self.islands.is_empty() {
-            return;
+        if !self.islands.is_empty() {
+            self.wake_disturbed(&Search::ahead(&self.known, parts, dt));
         }
-        let search = Search::new(&self.known, parts, dt);
+    }
+
+    /// As [`Self::wake_islands`], between the Rapier steps of one step of the world.
+    pub(in crate::world) fn wake_more_islands(&mut self, parts: &RapierParts, dt: f64) {
+        if !self.islands.is_empty() {
+            self.wake_disturbed(&Search::new(&self.known, parts, dt));
+        }
+    }
+
+    fn wake_disturbed(&mut self, search: &Search) {
         let mut gate = self.open_gate();
         let active = self.iter().filter(|(_, b)| b.is_active());
         let mut awake: Vec<(DeformableHandle, Aabb)> = active
-            .map(|(h, b)| (h, self.swept_box(h, b, &search)))
+            .map(|(h, b)| (h, self.swept_box(h, b, search)))
             .collect();
         loop {
-            let calm = |island: &Island| self.is_calm(island, &awake, &search, &mut gate);
+            let calm = |island: &Island| self.is_calm(island, &awake, search, &mut gate);
             let calm: Vec<bool> = self.islands.iter().map(calm).collect();
             if calm.iter().all(|calm| *calm) {
                 break;
@@ -147,7 +156,7 @@ impl DeformableWorld {
                 }
                 self.clear_touches_of(handle);
                 if let Some(body) = self.get(handle).filter(|b| b.is_active()) {
-                    awake.push((handle, self.swept_box(handle, body, &search)));
+                    awake.push((handle, self.swept_box(handle, body, search)));
                 }
             }
         }

@@ -1,6 +1,7 @@
-//! What must wake what sleeps: floors that become others.
+//! What must wake what sleeps: floors that become others, led nodes on their way.
 
-use crate::fixtures::cube;
+use crate::fixtures::{cube, floored};
+use crumple::body::{Net, Node};
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
 
@@ -103,4 +104,42 @@ fn a_saved_sleeper_wakes_by_what_was_changed_before_it_was_saved() {
         again.step(&mut world_again);
         assert!(!again[soft].is_sleeping(), "dug out after it was restored");
     }
+}
+
+/// A pinned bead that is led at 2 m/s takes along what slept in its way.
+#[test]
+fn led_nodes_wake_what_they_run_into() {
+    let (mut world, _) = floored(1.0 / 60.0);
+    let at = RigidBodyBuilder::dynamic().translation(Vector::new(0.0, 0.1, 0.0));
+    let (crate_, _) = world.insert(at, ColliderBuilder::cuboid(0.1, 0.1, 0.1).density(200.0));
+    let mut set = DeformableWorld::new();
+    let soft = cube(0.2).translation(Vector::new(0.0, 0.1, 2.0));
+    let soft = set.insert(soft).unwrap();
+    for _ in 0..300 {
+        set.step(&mut world);
+    }
+    assert!(world.bodies[crate_].is_sleeping() && set[soft].is_sleeping());
+    let pins = [0.0, 2.0].map(|z| {
+        let pin = Node::new(Vector::new(-0.6, 0.1, z), 1.0).pinned();
+        let pin = DeformableBuilder::new(Net::new(vec![pin], vec![]));
+        set.insert(pin).unwrap()
+    });
+    for i in 1..=40 {
+        let x = -0.6 + 2.0 * i as f32 / 60.0;
+        for (pin, z) in pins.iter().zip([0.0, 2.0]) {
+            let target = Vector::new(x, 0.1, z);
+            assert!(set[*pin].set_kinematic_target(NodeId(0), target));
+        }
+        set.step(&mut world);
+        let ahead = [
+            f64::from(world.bodies[crate_].translation().x) - 0.1,
+            set[soft].bounds().0.x,
+        ];
+        for ahead in ahead {
+            // The blow itself takes a step.
+            let least = if (16..18).contains(&i) { -1e-2 } else { -5e-3 };
+            assert!(ahead - f64::from(x) > least, "step {i}: {ahead} of {x} m");
+        }
+    }
+    assert!(world.bodies[crate_].translation().x > 0.1);
 }
