@@ -1,4 +1,4 @@
-//! What must wake what sleeps: floors that become others, led nodes on their way.
+//! What must wake what sleeps: floors that become others, led nodes on their way, pins that carry a load.
 
 use crate::fixtures::{cube, floored};
 use crumple::body::{Net, Node};
@@ -142,4 +142,116 @@ fn led_nodes_wake_what_they_run_into() {
         }
     }
     assert!(world.bodies[crate_].translation().x > 0.1);
+}
+
+/// A load welded to four pins, which a damped spring may let sleep.
+fn hung(sleeps: bool) -> (PhysicsWorld, DeformableWorld, DeformableHandle, Hung) {
+    let mut world = PhysicsWorld::default();
+    let at = RigidBodyBuilder::dynamic().translation(Vector::Y * -0.2);
+    let shape = ColliderBuilder::cuboid(0.1, 0.1, 0.1).density(1000.0);
+    let (load, _) = world.insert(at, shape.collision_groups(InteractionGroups::none()));
+    let mut set = DeformableWorld::new();
+    let corners = [(-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1)];
+    let node = |(x, z)| Node::new(Vector::new(x, 0.0, z), 1.0).pinned();
+    let nodes = corners.map(node).into();
+    let springs = if sleeps {
+        vec![Spring::new(0, 1, 1000.0).damping(10.0)]
+    } else {
+        vec![]
+    };
+    let pins = set
+        .insert(DeformableBuilder::new(Net::new(nodes, springs)))
+        .unwrap();
+    let all = [0, 1, 2, 3].map(NodeId);
+    let bond = set.attach(pins, &all, load, &world.bodies).unwrap();
+    for _ in 0..400 {
+        set.step(&mut world);
+    }
+    assert!(world.bodies[load].is_sleeping());
+    assert_eq!(set[pins].is_sleeping(), sleeps);
+    (world, set, pins, Hung { load, bond })
+}
+
+#[derive(Clone, Copy)]
+struct Hung {
+    load: RigidBodyHandle,
+    bond: AttachmentHandle,
+}
+
+/// Adds up what attachments did to a deformable.
+#[derive(Default)]
+struct Tied {
+    impulse: f64,
+    time: f64,
+}
+
+impl Observer for Tied {
+    fn substep(&mut self, s: &Substep) {
+        self.impulse += s.attachments.iter().map(|a| a.impulse.y).sum::<f64>();
+        self.time += s.h;
+    }
+}
+
+/// Symptom: the force of a load that had fallen asleep was 0. Cause: between two that do not move no row has an impulse.
+#[test]
+fn what_a_sleeping_load_hangs_by_is_told() {
+    for sleeps in [false, true] {
+        let (mut world, mut set, _, hung) = hung(sleeps);
+        let weight = f64::from(world.bodies[hung.load].mass()) * 9.81;
+        let mut tied = Tied::default();
+        for _ in 0..60 {
+            set.step_with(&mut world, &(), &(), &mut tied);
+            assert!(world.bodies[hung.load].is_sleeping());
+            let (force, _) = set.attachment_force(hung.bond).unwrap();
+            assert!((force.y / weight - 1.0).abs() < 1e-3, "{force} {sleeps}");
+        }
+        let mean = -tied.impulse / tied.time;
+        assert!((mean / weight - 1.0).abs() < 1e-3, "{mean} of {weight}");
+        let bytes = set.save(&world).unwrap();
+        let (mut again, mut world_again) = DeformableWorld::load(&bytes).unwrap();
+        again.step(&mut world_again);
+        set.step(&mut world);
+        assert_eq!(
+            again.attachment_force(hung.bond),
+            set.attachment_force(hung.bond)
+        );
+    }
+}
+
+/// By targets, by a velocity, and by being put elsewhere.
+#[test]
+fn pins_on_their_way_wake_their_load() {
+    type Move = fn(&mut Deformable, NodeId, f32);
+    let ways: [(&str, Move); 3] = [
+        ("led", |pins, node, _| {
+            let now = pins.position(node).unwrap().as_vec3();
+            pins.set_kinematic_target(node, now + Vector::Y / 60.0);
+        }),
+        ("a velocity", |pins, node, _| {
+            pins.set_linvel_of(node, Vector::Y);
+        }),
+        ("put elsewhere", |pins, node, t| {
+            if t == 0.0 {
+                let now = pins.position(node).unwrap().as_vec3();
+                pins.set_position(node, now + Vector::Y * 0.01);
+            }
+        }),
+    ];
+    for sleeps in [false, true] {
+        for (name, way) in ways {
+            let (mut world, mut set, pins, hung) = hung(sleeps);
+            let from = set[pins].position(NodeId(0)).unwrap().y;
+            let before = f64::from(world.bodies[hung.load].translation().y);
+            for i in 0..60 {
+                for node in [0, 1, 2, 3].map(NodeId) {
+                    way(&mut set[pins], node, i as f32 / 60.0);
+                }
+                set.step(&mut world);
+            }
+            let moved = set[pins].position(NodeId(0)).unwrap().y - from;
+            let risen = f64::from(world.bodies[hung.load].translation().y) - before;
+            assert!(moved > 9e-3, "{name}: {moved}");
+            assert!((risen - moved).abs() < 1e-3, "{name}: {risen} of {moved}");
+        }
+    }
 }
