@@ -9,7 +9,7 @@
 mod saved;
 
 #[cfg(feature = "serde-serialize")]
-pub use saved::Saved;
+pub use saved::{Saved, fingerprint};
 
 use super::feature::Features;
 use super::form::address;

@@ -102,6 +102,33 @@ pub struct Break {
     pub time: f64,
 }
 
+/// What an attachment does to its target: in a step a force, or added up an impulse, which is why there are no units.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
+pub struct Load {
+    /// The resultant.
+    pub force: DVec3,
+    /// About the pivot.
+    pub moment: DVec3,
+    /// About the rigid body's centre of mass.
+    pub torque: DVec3,
+}
+
+impl std::ops::Mul<f64> for Load {
+    type Output = Self;
+
+    fn mul(self, by: f64) -> Self {
+        Self {
+            force: self.force * by,
+            moment: self.moment * by,
+            torque: self.torque * by,
+        }
+    }
+}
+
 /// An attachment as the world keeps it.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(
@@ -131,6 +158,9 @@ pub struct Bond<D> {
     pub moment: DVec3,
     /// Its mean torque about the rigid body's centre of mass \[N·m\].
     pub torque: DVec3,
+    /// What of these is borne by points that pinned nodes alone hold, as of the last step in which the rigid body was awake.
+    /// While it sleeps nothing tells: neither side gives way.
+    pub(crate) by_pins: Load,
     /// Elastic energy in the springs of a link \[J\].
     pub energy: f64,
     /// What is held against the strength.
@@ -139,6 +169,8 @@ pub struct Bond<D> {
     pub broken: Option<Break>,
     /// Whether something was moved from outside: the nodes are led back at a limited speed.
     pub loose: bool,
+    /// How far the farthest held point was from where it is held at the start of the last step \[m\], if its rigid body slept.
+    pub(crate) apart_asleep: Option<f64>,
 }
 
 /// One side of an attachment within a substep.
@@ -168,6 +200,14 @@ impl<D> Bond<D> {
             To::Body(body) => Some(body),
             _ => None,
         }
+    }
+
+    /// The nodes of points that pinned nodes alone hold.
+    pub(crate) fn pinned_nodes<'a>(&'a self, own: &'a State<Real>) -> impl Iterator<Item = u32> {
+        let pinned = |p: &Part| own.particles[p.node as usize].inv_mass == 0.0;
+        let points = self.points.iter();
+        let held = points.filter(move |point| point.parts.iter().all(pinned));
+        held.flat_map(|point| point.parts.iter().map(|p| p.node))
     }
 
     /// From each anchor to its held point \[m\]. `com` and `rot` are those of the rigid body.

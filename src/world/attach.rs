@@ -3,7 +3,7 @@
 use super::attachment::{AttachError, AttachTo, Attachment};
 use super::{AttachmentHandle, Deformable, DeformableHandle, DeformableWorld, RapierParts};
 use crate::contact::target::wide_rotation;
-use crate::coupling::attach::{Bond, Hold, Part, Point};
+use crate::coupling::attach::{Bond, Hold, Load, Part, Point};
 use crate::coupling::nearest::{nearest, pivot};
 use crate::math::{DQuat, DVec3, wide};
 use rapier3d::dynamics::{RigidBody, RigidBodySet};
@@ -13,6 +13,8 @@ pub type AttachmentState = Bond<DeformableHandle>;
 
 /// How far from a lone node another may be to be attached to it \[m\], and how far a pivot from what its nodes make.
 const CLOSE: f64 = 1e-3;
+/// By how much two sides of an attachment are apart that something from outside has moved, in length units.
+const LOOSE: f64 = 1e-5;
 /// How far a face may be from a node that is attached to it, in its longest edges.
 const FACE_GAP: f64 = 0.05;
 
@@ -80,10 +82,12 @@ impl DeformableWorld {
             force: DVec3::ZERO,
             moment: DVec3::ZERO,
             torque: DVec3::ZERO,
+            by_pins: Load::default(),
             energy: 0.0,
             average: Default::default(),
             broken: None,
             loose: false,
+            apart_asleep: None,
         })))
     }
 
@@ -131,7 +135,9 @@ impl DeformableWorld {
     }
 
     /// Mean force \[N\] that an attachment exerted on its target in the last rigid step, and its torque about the rigid
-    /// body's centre of mass, or about the world's origin \[N·m\]. [`AttachmentState::moment`] is about the pivot.
+    /// body's centre of mass, or about the world's origin \[N·m\]. [`AttachmentState::moment`] is about the pivot. What pinned
+    /// nodes bear of a body goes on being told while that sleeps; of one that slept when it was attached, or of one that is
+    /// fixed or kinematic, they bear nothing.
     pub fn attachment_force(&self, handle: AttachmentHandle) -> Option<(DVec3, DVec3)> {
         self.attachments.get(handle.0).map(|a| (a.force, a.torque))
     }
@@ -176,15 +182,26 @@ impl DeformableWorld {
 
     /// Finds out which attachments were pulled apart from outside since the last step.
     pub(super) fn find_loose_attachments(&mut self, parts: &RapierParts) {
-        let limit = 1e-5 * parts.length_unit();
-        let loose = |(i, bond): (_, &AttachmentState)| {
+        let limit = LOOSE * parts.length_unit();
+        let look = |(i, bond): (_, &AttachmentState)| {
             let apart = self.stretch(bond, parts.bodies);
-            (i, !bond.is_link() && apart.is_some_and(|s| s > limit))
+            let body = bond.body().and_then(|b| parts.bodies.get(b));
+            let asleep = body.is_some_and(|b| b.is_sleeping());
+            let loose = !bond.is_link() && apart.is_some_and(|s| s > limit);
+            (i, loose, apart.filter(|_| asleep))
         };
-        let found: Vec<_> = self.attachments.iter().map(loose).collect();
-        for (i, loose) in found {
-            self.attachments[i].loose = loose;
+        let found: Vec<_> = self.attachments.iter().map(look).collect();
+        for (i, loose, apart) in found {
+            let bond = &mut self.attachments[i];
+            (bond.loose, bond.apart_asleep) = (loose, apart);
         }
+    }
+
+    /// Whether it was pulled apart, or together, since the last step, in which its rigid body slept.
+    pub(super) fn is_moved_asleep(&self, bond: &AttachmentState, parts: &RapierParts) -> bool {
+        let apart = self.stretch(bond, parts.bodies);
+        let by = apart.zip(bond.apart_asleep).map(|(now, last)| now - last);
+        by.is_some_and(|by| by.abs() > LOOSE * parts.length_unit())
     }
 
     /// Brings held points to where Rapier's own step has left their rigid bodies, which shadows know only to the extent that

@@ -1,6 +1,6 @@
 //! A deformable body in the world: blueprint, state, solver and settings, and the face through which users read it.
 
-use super::motion::Start;
+use super::motion::{Books, Start};
 use super::params::{DeformableParameters, Substeps};
 use super::sleep::Sleep;
 use crate::body::search::tree::Cache;
@@ -9,7 +9,6 @@ use crate::contact::encounter::outline::Outline;
 use crate::contact::target::Surface;
 use crate::math::{DVec3, Real, Vector, narrow};
 use crate::solve::external::ForceField;
-use crate::solve::work::Work;
 use crate::solve::{Integrator, Solver};
 use std::sync::Arc;
 
@@ -54,12 +53,11 @@ pub struct Deformable {
     pub(super) moved: f64,
     /// How far nodes were moved after the last step's substeps to lie on their rigid bodies \[m\].
     pub(super) shifted: f64,
-    /// The work done until then.
-    pub(super) work_backup: Work,
+    /// What was booked at the start of the rigid step.
+    pub(super) books: Books,
     pub(super) h: f64,
-    /// Elastic energy in the links of its attachments, now and at the start of the rigid step \[J\].
+    /// Elastic energy in the links of its attachments \[J\].
     pub(super) links: f64,
-    pub(super) links_backup: f64,
     /// What queries remember until the nodes move.
     pub(super) cache: Cache,
     /// Anything the user wants to keep with the body.

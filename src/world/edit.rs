@@ -1,11 +1,12 @@
 //! Changing a body between steps. Values are editable, lengths are not; whatever changes stored energy is booked as external
-//! work, so that the balance stays closed.
+//! work, so that the balance stays closed. Lengths and speeds that have no square in `f32`, as from 1.8e19 on, have no energy
+//! there either and are refused as those that are not finite.
 
 use super::Deformable;
 use super::energies::Energies;
 use crate::body::{BuildError, NodeId, Spring, SpringId};
 use crate::contact::target::{Surface, wide_rotation};
-use crate::math::{Pose, Real, Vector, wide};
+use crate::math::{Pose, Real, Vector, narrow, wide};
 use crate::solve::external::ForceField;
 use crate::solve::springs::SpringTable;
 use std::sync::Arc;
@@ -47,9 +48,10 @@ impl Deformable {
         &mut self.surface
     }
 
-    /// Puts a node somewhere in the world \[m\]. Unknown ids and values that are not finite change nothing: `false`.
+    /// Puts a node somewhere in the world \[m\]. Unknown ids and values that are not finite, or whose square is not, change
+    /// nothing: `false`.
     pub fn set_position(&mut self, node: NodeId, position: Vector) -> bool {
-        let ok = node.index() < self.node_count() && position.is_finite();
+        let ok = node.index() < self.node_count() && has_square(position);
         if ok {
             self.edits += 1;
             self.edit(|body| body.state.set_position(node.index(), wide(position)));
@@ -57,24 +59,26 @@ impl Deformable {
         ok
     }
 
-    /// Sets the velocity of a node \[m/s\]; a pinned one goes on at it until told otherwise. Unknown ids and values that are not finite change nothing: `false`.
+    /// Sets the velocity of a node \[m/s\]; a pinned one goes on at it until told otherwise. Unknown ids and values
+    /// that are not finite, or whose square is not, change nothing: `false`.
     pub fn set_linvel_of(&mut self, node: NodeId, linvel: Vector) -> bool {
-        let ok = node.index() < self.node_count() && linvel.is_finite();
+        let ok = node.index() < self.node_count() && has_square(linvel);
         if ok {
             self.edit(|body| body.state.set_velocity(node.index(), wide(linvel)));
         }
         ok
     }
 
-    /// Gives all nodes that are not pinned one velocity \[m/s\]. Values that are not finite change nothing: `false`.
+    /// Gives all nodes that are not pinned one velocity \[m/s\]. Values that are not finite, or whose square is not, change
+    /// nothing: `false`.
     pub fn set_linvel(&mut self, linvel: Vector) -> bool {
         self.set_velocities(linvel, Vector::ZERO)
     }
 
     /// Gives the body the velocity field of a rigid one: `linvel` \[m/s\] of its centre of mass and `angvel` \[rad/s\];
-    /// pinned nodes stay. Values that are not finite change nothing: `false`.
+    /// pinned nodes stay. Values that are not finite, or whose square is not, change nothing: `false`.
     pub fn set_velocities(&mut self, linvel: Vector, angvel: Vector) -> bool {
-        let ok = linvel.is_finite() && angvel.is_finite();
+        let ok = has_square(linvel) && has_square(angvel);
         if ok {
             let com = self.center_of_mass();
             self.edit(|body| {
@@ -92,13 +96,16 @@ impl Deformable {
     }
 
     /// Moves the body rigidly: every node goes through `motion`, velocities are turned with it. Values that are not
-    /// finite change nothing: `false`.
+    /// finite, and places whose square is not, change nothing: `false`.
     pub fn transform(&mut self, motion: Pose) -> bool {
         let turn = wide_rotation(motion.rotation);
+        let shift = wide(motion.translation);
+        let moved = |i| narrow(turn * self.state.position(i) + shift);
         // A rotation of length 0 is none.
-        let ok = motion.is_finite() && turn.is_finite();
+        let ok = motion.is_finite()
+            && turn.is_finite()
+            && (0..self.node_count()).all(|i| has_square(moved(i)));
         if ok {
-            let shift = wide(motion.translation);
             self.edits += 1;
             self.edit(|body| {
                 for i in 0..body.node_count() {
@@ -131,9 +138,10 @@ impl Deformable {
     }
 
     /// Leads a pinned node to a point of the world \[m\], to be reached at the end of the coming step. Nodes that are not
-    /// pinned, unknown ids and points that are not finite change nothing: `false`.
+    /// pinned, unknown ids and points that are not finite, or whose square is not, change nothing: `false`. One that is too far
+    /// off for a speed that has a square freezes the body in that step.
     pub fn set_kinematic_target(&mut self, node: NodeId, target: Vector) -> bool {
-        let ok = target.is_finite()
+        let ok = has_square(target)
             && self
                 .state
                 .particles
@@ -272,4 +280,9 @@ impl Deformable {
         self.wake_up();
         self.frozen = false;
     }
+}
+
+/// Whether a vector is finite, and its square as well.
+fn has_square(v: Vector) -> bool {
+    v.length_squared().is_finite()
 }

@@ -161,7 +161,9 @@ impl DeformableWorld {
                 }
                 _ => None,
             };
-            group.add_attachment(member, other, shadow, handle, bond.clone());
+            let rigid = bond.body().and_then(|b| parts.bodies.get(b));
+            let asleep = rigid.is_some_and(|b| b.is_dynamic() && b.is_sleeping());
+            group.add_attachment(member, other, shadow, (handle, bond.clone()), asleep);
         }
         for group in groups.values_mut() {
             group.find_rigid_constraints(&mut self.memory, &constraints, &around, dt);
@@ -318,6 +320,9 @@ impl DeformableWorld {
                 kept.force = attachment.impulse / dt;
                 kept.torque = attachment.torque / dt;
                 kept.moment = attachment.moment / dt;
+                if !attachment.asleep {
+                    kept.by_pins = attachment.by_pins * (1.0 / dt);
+                }
                 if kept.is_broken() {
                     self.report.broken_attachments.push(attachment.handle);
                 }

@@ -214,7 +214,7 @@ impl DeformableWorld {
 }
 
 fn swept(handle: DeformableHandle, body: &Deformable, search: &Search) -> Swept {
-    let mut speed = body.max_speed();
+    let mut speed = body.coming_speed(search.lead);
     if body.sleep.beside_rigid {
         speed = speed.max(search.rigid_speed);
     }

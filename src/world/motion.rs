@@ -17,6 +17,16 @@ pub(super) struct Start {
     restored: bool,
 }
 
+/// What a body has booked, and what the books are kept by, at the start of a rigid step.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Books {
+    work: Work,
+    /// Elastic energy in the links of its attachments \[J\].
+    links: f64,
+    gravity: [Real; 3],
+    h: f64,
+}
+
 impl Deformable {
     /// Fills the solver's forces from outside for the coming rigid step, and leads its kinematic nodes for `remaining` s.
     pub(super) fn prepare(&mut self, gravity: Vector, remaining: f64) {
@@ -35,11 +45,35 @@ impl Deformable {
                 .iter()
                 .map(|(kept, once)| (*kept + *once).to_array()),
         );
-        for &(node, target) in &self.led {
-            let v = (target - self.state.position(node as usize)) / remaining;
-            self.state.set_velocity(node as usize, v);
+        let led: Vec<(usize, DVec3)> = self.led_velocities(remaining).collect();
+        for (node, v) in led {
+            self.state.set_velocity(node, v);
         }
         self.solver.speed_squared = self.max_speed_squared();
+    }
+
+    /// The velocities by which led nodes get to their targets within `remaining` s \[m/s\].
+    fn led_velocities(&self, remaining: f64) -> impl Iterator<Item = (usize, DVec3)> + '_ {
+        self.led.iter().map(move |&(node, target)| {
+            let node = node as usize;
+            (node, (target - self.state.position(node)) / remaining)
+        })
+    }
+
+    /// Velocities of all nodes in a step to come, over which led ones are led in `lead` s \[m/s\].
+    pub(super) fn coming_velocities(&self, lead: Option<f64>) -> Vec<DVec3> {
+        let velocity = |i| self.state.velocity(i);
+        let mut velocities: Vec<DVec3> = (0..self.node_count()).map(velocity).collect();
+        let led = lead.into_iter().flat_map(|lead| self.led_velocities(lead));
+        led.for_each(|(node, v)| velocities[node] = v);
+        velocities
+    }
+
+    /// Largest speed of any node in such a step \[m/s\].
+    pub(super) fn coming_speed(&self, lead: Option<f64>) -> f64 {
+        let led = lead.into_iter().flat_map(|lead| self.led_velocities(lead));
+        led.map(|(_, v)| v.length())
+            .fold(self.max_speed(), f64::max)
     }
 
     /// Moves freely over h s.
@@ -136,7 +170,12 @@ impl Deformable {
             for (node, target) in led {
                 let way = self.state.position(node as usize).distance(target);
                 self.moved += way;
-                self.state.set_position(node as usize, target);
+                if self.solver.last_substep.is_none() {
+                    // The step went wrong and was taken back: it has not been led there.
+                    self.edit(|body| body.state.set_position(node as usize, target));
+                } else {
+                    self.state.set_position(node as usize, target);
+                }
                 self.state.set_velocity(node as usize, DVec3::ZERO);
             }
         }
@@ -151,18 +190,24 @@ impl Deformable {
         if !self.solver.table.limits.is_empty() {
             self.backup.take_over_springs(&self.state);
         }
-        self.work_backup = self.solver.work;
-        self.links_backup = self.links;
+        self.books = Books {
+            work: self.solver.work,
+            links: self.links,
+            gravity: self.solver.external.gravity,
+            h: self.h,
+        };
     }
 
-    /// Back to the start of the rigid step: positions, velocities, what flowed and broke, and the work done.
+    /// Back to the start of the rigid step: positions, velocities, what flowed and broke, the work done, and what gravity and
+    /// substep it was booked by.
     pub(super) fn go_back(&mut self) {
         self.cache.forget();
         self.moved_out.clear();
         self.state.take_over_nodes(&self.backup);
         self.state.take_over_springs(&self.backup);
-        self.solver.work = self.work_backup;
-        self.links = self.links_backup;
+        self.solver.work = self.books.work;
+        self.solver.external.gravity = self.books.gravity;
+        (self.links, self.h) = (self.books.links, self.books.h);
         self.solver.events.clear();
         self.solver.last_substep = None;
         self.start.restored = false;

@@ -1,6 +1,7 @@
 //! How deformables are stepped. Rapier's own parameters are read and never written.
 
 use crate::body::BuildError;
+use crate::body::error::positive;
 use crate::solve::{Integrator, Kernel};
 
 /// How many substeps a body gets.
@@ -50,13 +51,14 @@ impl Substeps {
                 crate::body::error::not_negative("the shortest substep min_h", min_h).map(|_| ())
             }
             Self::Fixed(n) | Self::Unchecked(n) => {
-                crate::body::error::positive("the number of substeps", n as f64).map(|_| ())
+                positive("the number of substeps", n as f64).map(|_| ())
             }
         }
     }
 }
 
-/// Settings of a [`DeformableWorld`](super::DeformableWorld). How many threads compute (feature `parallel`) is no setting of a
+/// Settings of a [`DeformableWorld`](super::DeformableWorld). A step with some that [`Self::check`] refuses does nothing and
+/// [reports](super::StepReport::invalid_params) it. How many threads compute (feature `parallel`) is no setting of a
 /// world: they are those of Rayon's pool within which it is stepped, else of Rayon's global one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -75,7 +77,7 @@ pub struct DeformableParameters {
     /// which is the slow reference the coupling is measured against. Rapier is never stepped more often than that.
     pub max_rigid_dt: f64,
     /// Gauss–Seidel passes over the rows of a substep: up to 4 times as many over those that hang together, and 64 times as
-    /// many while anything sinks in at more than 3 % of [`Self::push_out_speed`].
+    /// many while anything sinks in at more than 3 % of [`Self::push_out_speed`]. 0 counts as 1.
     pub passes: usize,
     /// Speed at which penetrating nodes are moved out, in length units per second.
     pub push_out_speed: f64,
@@ -87,6 +89,30 @@ pub struct DeformableParameters {
     pub sleep_after: f64,
     /// With which vectors forces are computed. A matter of speed alone: all give the same bits.
     pub kernel: Kernel,
+}
+
+impl DeformableParameters {
+    /// Checks the ranges of all numbers.
+    ///
+    /// # Errors
+    /// [`BuildError::Value`], which names the first that is out of range.
+    pub fn check(&self) -> Result<(), BuildError> {
+        self.substeps.check()?;
+        positive("the expected dt", self.expected_dt)?;
+        for (what, value) in [
+            ("the longest Rapier step", self.max_rigid_dt),
+            ("the push-out speed", self.push_out_speed),
+            ("the review interval", self.review_interval),
+            ("the sleep speed", self.sleep_speed),
+            ("the time to sleep after", self.sleep_after),
+        ] {
+            if value.is_nan() || value < 0.0 {
+                let must = "positive, 0 or infinite";
+                return Err(BuildError::Value { what, value, must });
+            }
+        }
+        Ok(())
+    }
 }
 
 impl Default for DeformableParameters {

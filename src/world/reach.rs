@@ -11,7 +11,7 @@ use super::{Deformable, DeformableHandle, RapierParts};
 use crate::contact::form::Forms;
 use crate::contact::target::{Target, admits, pushes, target, wide_rotation};
 use crate::coupling::observe::velocity;
-use crate::math::{Pose, narrow, wide};
+use crate::math::{DVec3, Pose, narrow, wide};
 use crate::solve::shadow::Shadow;
 use rapier3d::dynamics::RigidBodyHandle;
 use rapier3d::geometry::{Aabb, Collider, ColliderHandle};
@@ -99,6 +99,8 @@ pub(super) struct Search<'a> {
     pub strays: Vec<ColliderHandle>,
     /// The stretch of time \[s\].
     pub dt: f64,
+    /// In how many seconds led nodes are led to their targets, before the first Rapier step has given them their velocities.
+    pub lead: Option<f64>,
 }
 
 impl<'a> Search<'a> {
@@ -109,6 +111,15 @@ impl<'a> Search<'a> {
             rigid_speed: fastest_rigid(parts, dt),
             strays: strays(known, parts),
             dt,
+            lead: None,
+        }
+    }
+
+    /// A search at the beginning of a step of the world, over all of its `dt` s.
+    pub fn ahead(known: &Known, parts: &'a RapierParts<'a>, dt: f64) -> Self {
+        Self {
+            lead: (dt > 0.0).then_some(dt),
+            ..Self::new(known, parts, dt)
         }
     }
 }
@@ -215,8 +226,9 @@ pub(super) fn targets(
     targets
 }
 
-/// Bodies asleep that some node will run into within the stretch of time, faster than `threshold` \[m/s\]. They must be
-/// awake by then: a sleeper is infinitely heavy, and the blow would be lost on it.
+/// Bodies asleep that some node will run into within the stretch of time, faster than `threshold` \[m/s\], or a pinned one at
+/// any speed. They must be awake by then: a sleeper is infinitely heavy, the blow would be lost on it, and what is pinned
+/// would go through.
 pub(super) fn sleepers_in_the_way(
     (own, body): (DeformableHandle, &Deformable),
     search: &Search,
@@ -227,13 +239,14 @@ pub(super) fn sleepers_in_the_way(
     let mut found = Vec::new();
     let (mut unsupported, mut sensing) = (Vec::new(), Vec::new());
     let targets = targets(
-        (own, body, body.max_speed()),
+        (own, body, body.coming_speed(search.lead)),
         search,
         gate,
         forms,
         &mut unsupported,
         &mut sensing,
     );
+    let mut velocities = Vec::new();
     for target in targets {
         let Some((handle, rigid)) = target
             .body
@@ -253,12 +266,20 @@ pub(super) fn sleepers_in_the_way(
         };
         let frame = target.frame(&shadow);
         let to_local = frame.axes.transpose();
-        let points = (0..body.node_count()).map(|i| {
+        if velocities.is_empty() {
+            velocities = body.coming_velocities(search.lead);
+        }
+        let point = |i: usize| {
             let place = frame.to_local(&body.state, i as u32);
-            (place, to_local * body.state.velocity(i))
-        });
-        let (skin, time) = (target.skin, 1.5 * search.dt);
-        if target.form.is_hit(points, skin, time, threshold) {
+            (place, to_local * velocities[i])
+        };
+        let particles = &body.state.particles;
+        let pinned = |i: &usize| particles[*i].inv_mass == 0.0 && velocities[*i] != DVec3::ZERO;
+        let (all, skin, time) = (0..body.node_count(), target.skin, 1.5 * search.dt);
+        let form = &target.form;
+        if form.is_hit(all.clone().map(point), skin, time, threshold)
+            || form.is_hit(all.filter(pinned).map(point), skin, time, 0.0)
+        {
             found.push(handle);
         }
     }

@@ -3,14 +3,20 @@
 use super::substep::Group;
 use super::touch::TouchEvent;
 use super::{AttachmentHandle, DeformableHandle};
+use crate::body::BuildError;
+use crate::math::Vector;
 use rapier3d::geometry::ColliderHandle;
 
 /// What the last step did. A step never panics and returns no `Result`; what went wrong stands here.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct StepReport {
-    /// The step's dt if it was NaN, infinite or negative: then nothing was done at all.
+    /// The step's dt if it was NaN, infinite, negative, or not 0 and shorter than a nanosecond: then nothing was done at all.
     pub invalid_dt: Option<f64>,
+    /// Rapier's gravity if it was not finite \[m/s²\]: then nothing was done at all.
+    pub invalid_gravity: Option<Vector>,
+    /// What is wrong with the world's [`params`](super::DeformableWorld::params): then nothing was done at all.
+    pub invalid_params: Option<BuildError>,
     /// How many Rapier steps were made (M).
     pub rigid_steps: usize,
     /// Substeps taken by each deformable, in the order of the set.

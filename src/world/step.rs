@@ -11,11 +11,16 @@ use super::{DeformableWorld, RapierParts, reach};
 use crate::contact::form::Form;
 use crate::coupling::handover;
 use crate::coupling::memory::BodyMemory;
+use crate::math::{Real, Vector};
 use rapier3d::dynamics::{IntegrationParameters, RigidBodyHandle};
 use rapier3d::pipeline::{EventHandler, PhysicsHooks, PhysicsWorld};
 
 /// For how long Rapier goes on with short steps after a deformable was last in reach of an awake body \[s\].
 const FINE_FOR: f64 = 0.5;
+
+/// The shortest step there is \[s\]. What rounding leaves of a position, over a step 10⁵ times as short, is a speed that shows in
+/// the energies; the time itself would no longer grow by it.
+const SHORTEST: Real = 1e-9;
 
 impl DeformableWorld {
     /// Advances deformables and Rapier's world by `world.integration_parameters.dt`.
@@ -25,8 +30,8 @@ impl DeformableWorld {
 
     /// As [`Self::step`], with Rapier's hooks and events, and an observer that sees every substep.
     ///
-    /// dt = 0 applies changes made to Rapier's sets and moves nothing; a dt that is NaN, infinite or negative does nothing
-    /// at all and is reported.
+    /// dt = 0 applies changes made to Rapier's sets and moves nothing; a dt that is NaN, infinite, negative or else shorter
+    /// than a nanosecond does nothing at all and is reported, as are a gravity that is not finite and [`params`](Self::params) out of range.
     pub fn step_with(
         &mut self,
         world: &mut PhysicsWorld,
@@ -35,9 +40,7 @@ impl DeformableWorld {
         observer: &mut dyn Observer,
     ) {
         let dt = f64::from(world.integration_parameters.dt);
-        self.report.clear();
-        if !(dt.is_finite() && dt >= 0.0) {
-            self.report.invalid_dt = Some(dt);
+        if !self.takes(dt, world.gravity) {
             return;
         }
         self.settle(&mut RapierParts::from(&mut *world), observer);
@@ -64,7 +67,7 @@ impl DeformableWorld {
             let mut parts = RapierParts::from(&mut *world);
             parts.integration_parameters = &parameters;
             if m > 0 {
-                self.wake_islands(&parts, dt / steps as f64);
+                self.wake_more_islands(&parts, dt / steps as f64);
             }
             self.advance(&mut parts, dt / steps as f64, dt, left, observer);
             if steps == 1 {
@@ -83,10 +86,7 @@ impl DeformableWorld {
     /// which [`Self::step`] sees to by itself.
     pub fn before_step(&mut self, parts: &mut RapierParts, observer: &mut dyn Observer) {
         let dt = f64::from(parts.integration_parameters.dt);
-        self.report.clear();
-        if !(dt.is_finite() && dt >= 0.0) {
-            self.report.invalid_dt = Some(dt);
-        } else if dt > 0.0 {
+        if self.takes(dt, parts.gravity) && dt > 0.0 {
             self.settle(parts, observer);
             self.wake_on_new_gravity(parts);
             self.wake_islands(parts, dt);
@@ -106,6 +106,19 @@ impl DeformableWorld {
     /// As [`Self::after_step`], with an observer that is told of contacts that began or ended in the step.
     pub fn after_step_with(&mut self, parts: &mut RapierParts, observer: &mut dyn Observer) {
         self.settle(parts, observer);
+    }
+
+    /// Begins the report of a step, which says what is wrong with its numbers where they are none to step with.
+    fn takes(&mut self, dt: f64, gravity: Vector) -> bool {
+        self.report.clear();
+        let report = &mut self.report;
+        let is_step = dt.is_finite() && (dt == 0.0 || dt >= f64::from(SHORTEST));
+        report.invalid_dt = (!is_step).then_some(dt);
+        report.invalid_gravity = (!gravity.is_finite()).then_some(gravity);
+        report.invalid_params = self.params.check().err();
+        report.invalid_dt.is_none()
+            && report.invalid_gravity.is_none()
+            && report.invalid_params.is_none()
     }
 
     /// Completes a [`Self::before_step`] that has not been completed: bodies get the rest of their impulses, and the user's
@@ -151,11 +164,11 @@ impl DeformableWorld {
         if !self.iter().any(|(_, b)| b.is_active()) {
             return false;
         }
-        let search = Search::new(&self.known, parts, dt);
+        let search = Search::ahead(&self.known, parts, dt);
         let mut found = false;
         let mut gate = self.open_gate();
         for (own, body) in self.iter().filter(|(_, b)| b.is_active()) {
-            let own = (own, body, body.max_speed());
+            let own = (own, body, body.coming_speed(search.lead));
             reach::for_each_in_reach(own, &search, &mut gate, |_, collider, pushes| {
                 let moves = collider.parent().is_some_and(awake);
                 found |= pushes && moves && Form::takes(collider.shape());
@@ -188,8 +201,8 @@ impl DeformableWorld {
             body.defaults = defaults;
             body.state.recentre(parts.length_unit());
             body.solver.time = self.time;
-            body.prepare(parts.gravity, left);
             body.back_up();
+            body.prepare(parts.gravity, left);
         }
         let advance = Advance {
             time: self.time,

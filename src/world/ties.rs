@@ -5,9 +5,10 @@ use super::attach::AttachmentState;
 use super::observer::{AttachmentBroke, AttachmentImpulse, Observer};
 use super::substep::{Group, Members};
 use super::work::node_work;
-use crate::coupling::attach::Side;
+use crate::coupling::attach::{Load, Side};
 use crate::coupling::ties::{Average, LinkEnergy};
 use crate::math::DVec3;
+use crate::solve::rows::Term;
 
 /// An attachment while its group is advanced.
 #[derive(Clone, Debug)]
@@ -23,6 +24,10 @@ pub(super) struct Attached {
     pub impulse: DVec3,
     pub torque: DVec3,
     pub moment: DVec3,
+    /// What of these points bore that pinned nodes alone hold.
+    pub by_pins: Load,
+    /// Whether the rigid body sleeps: they bear what they bore before then.
+    pub asleep: bool,
     /// The pivot, relative to what the arms of ties are relative to.
     pivot: DVec3,
     /// Energy and average at the start of the rigid step.
@@ -57,6 +62,7 @@ impl Attached {
         self.bond.broken = None;
         self.just_broke = false;
         (self.impulse, self.torque, self.moment) = Default::default();
+        self.by_pins = Load::default();
     }
 }
 
@@ -84,8 +90,8 @@ impl Group {
         member: u32,
         other: Option<u32>,
         shadow: u32,
-        handle: AttachmentHandle,
-        bond: AttachmentState,
+        (handle, bond): (AttachmentHandle, AttachmentState),
+        asleep: bool,
     ) {
         self.tied.push(AttachmentImpulse {
             attachment: handle,
@@ -103,6 +109,8 @@ impl Group {
             impulse: DVec3::ZERO,
             torque: DVec3::ZERO,
             moment: DVec3::ZERO,
+            by_pins: Load::default(),
+            asleep,
             pivot: DVec3::ZERO,
             held: (0.0, 0.0),
             just_broke: false,
@@ -150,6 +158,7 @@ impl Group {
     /// Then each attachment bears its load, or breaks.
     pub(super) fn book_ties(&mut self, h: f64, time: f64) {
         self.book_tie_work(h);
+        self.go_on_bearing(h);
         let Self {
             members,
             attachments,
@@ -192,6 +201,20 @@ impl Group {
         }
     }
 
+    /// What pinned nodes bear of a rigid body asleep no row can tell: it is what they bore.
+    fn go_on_bearing(&mut self, h: f64) {
+        for (a, tied) in self.attachments.iter_mut().zip(&mut self.tied) {
+            if a.asleep && !a.bond.is_broken() {
+                let load = a.bond.by_pins * h;
+                a.impulse += load.force;
+                a.moment += load.moment;
+                a.torque += load.torque;
+                tied.impulse -= load.force;
+                tied.moment -= load.moment;
+            }
+        }
+    }
+
     fn book_tie_work(&mut self, h: f64) {
         for tie in &self.rows.ties {
             let attached = &mut self.attachments[tie.attachment as usize];
@@ -222,6 +245,13 @@ impl Group {
             attached.impulse += impulse;
             attached.torque += tie.arm.cross(impulse);
             attached.moment += moment;
+            let mut terms = self.rows.terms_of(tie.terms).iter();
+            let pinned = |t: &Term| self.rows.nodes[t.node as usize].inv_mass == 0.0;
+            if tie.softness == 0.0 && !tie.between && terms.all(pinned) {
+                attached.by_pins.force += impulse;
+                attached.by_pins.torque += tie.arm.cross(impulse);
+                attached.by_pins.moment += moment;
+            }
             let tied = &mut self.tied[tie.attachment as usize];
             tied.impulse -= impulse;
             tied.moment -= moment;

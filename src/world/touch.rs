@@ -57,7 +57,8 @@ pub enum TouchEventKind {
 /// Contacts are told by impulses, added up over the step. Sensors, and colliders whose solver groups do not agree with the
 /// deformable's, only notice it: by a face, a spring or a node of it that is in them after a Rapier step, or by a node that
 /// went right through in between, however fast, which both starts and stops in the one step. What is narrower than the
-/// distance between nodes may pass unnoticed between them. Rapier's `ActiveCollisionTypes` and `ActiveEvents` of the
+/// distance between nodes may pass unnoticed between them. A collider that becomes a sensor, or ceases to be one, while it
+/// touches ends the one and starts the other. Rapier's `ActiveCollisionTypes` and `ActiveEvents` of the
 /// collider do not matter: a deformable counts as a dynamic body that asks for its events.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -86,6 +87,8 @@ pub(super) struct Touch {
     /// Σ of normal impulses \[N·s\].
     weight: f64,
     pub sensor: bool,
+    /// Whether the partner was one in the last step.
+    was_sensor: bool,
     /// Whether it touched at the end of the last step.
     before: bool,
     /// Whether it got an impulse in this step.
@@ -113,6 +116,7 @@ impl Touch {
             contact,
             weight: 0.0,
             sensor: false,
+            was_sensor: false,
             before: false,
             pushed: false,
             seen: false,
@@ -130,6 +134,7 @@ impl Touch {
         *self = Self {
             before: self.before,
             sensor: self.sensor,
+            was_sensor: self.was_sensor,
             inside: self.inside,
             ..Self::new(c.deformable, c.partner)
         };
@@ -320,30 +325,38 @@ impl DeformableWorld {
             }
             touch.finish(dt);
             let now = touch.pushed || touch.inside == *steps;
+            let turned = touch.seen && touch.before && touch.sensor != touch.was_sensor;
             let (began, was) = (touch.seen && !touch.before, touch.seen || touch.before);
+            let was_sensor = std::mem::replace(&mut touch.was_sensor, touch.sensor);
             touch.before = now;
             if touch.is_mirrored() {
                 return now;
             }
-            let mut tell = |kind| {
+            let mut tell = |kind, sensor, contact| {
                 let event = TouchEvent {
                     kind,
-                    sensor: touch.sensor,
+                    sensor,
                     time: *time,
-                    contact: touch.contact,
+                    contact,
                 };
                 observer.touch_event(&event);
                 report.events.push(event);
             };
-            if began {
-                tell(TouchEventKind::Started);
+            let (sensor, contact) = (touch.sensor, touch.contact);
+            if turned {
+                let ended = Touch::new(contact.deformable, contact.partner).contact;
+                let kind = TouchEventKind::Stopped { removed: false };
+                tell(kind, was_sensor, ended);
+            }
+            if began || turned {
+                tell(TouchEventKind::Started, sensor, contact);
             }
             let deformable = bodies.get(touch.contact.deformable.0);
             let threshold = deformable.and_then(|b| b.surface.contact_force_event_threshold);
             if touch.pushed
                 && threshold.is_some_and(|t| touch.contact.force.length() > f64::from(t))
             {
-                tell(TouchEventKind::Force);
+                tell(TouchEventKind::Force, sensor, contact);
             }
             if was && !now {
                 let there = match touch.contact.partner {
@@ -351,7 +364,7 @@ impl DeformableWorld {
                     Partner::Deformable(d) => bodies.contains(d.0),
                 };
                 let removed = deformable.is_none() || !there;
-                tell(TouchEventKind::Stopped { removed });
+                tell(TouchEventKind::Stopped { removed }, sensor, contact);
             }
             now
         });

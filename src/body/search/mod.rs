@@ -175,6 +175,29 @@ impl Search<'_> {
         })
     }
 
+    /// A unit vector from a point on the axis of a line across it; of four that differ by quarter turns, the first of those whose
+    /// ends at `radius` \[m\] are farthest from all lines. Where lines meet, one can point into another.
+    pub fn out_of_line(&self, met: &Met, radius: f64) -> DVec3 {
+        let [a, b, _] = self.corners(met.at.feature);
+        let (x, y) = (b - a)
+            .try_normalize()
+            .unwrap_or(DVec3::X)
+            .any_orthonormal_pair();
+        let apart = |way: &DVec3| {
+            let met = self.nearest(met.vector + *way * radius, f64::INFINITY);
+            met.map_or(0.0, |met| met.distance)
+        };
+        let mut best = (x, apart(&x));
+        for way in [y, -x, -y] {
+            let distance = apart(&way);
+            // More than rounding makes of equal ones.
+            if distance > best.1 * (1.0 + 1e-6) {
+                best = (way, distance);
+            }
+        }
+        best.0
+    }
+
     /// Whether a closed body holds the point, by the number of times its faces wind around it: a body crushed into itself
     /// or turned inside out still has an inside.
     pub fn holds(&self, p: DVec3) -> bool {

@@ -63,8 +63,8 @@ impl Extend<u8> for Fnv {
     }
 }
 
-/// Hash of a shape as it is saved.
-fn fingerprint(shape: &SharedShape) -> Option<u64> {
+/// Hash of a shape as it is saved; `None` for one that Rapier can't save.
+pub fn fingerprint(shape: &SharedShape) -> Option<u64> {
     let hash = postcard::to_extend(shape, Fnv(0xcbf2_9ce4_8422_2325));
     hash.ok().map(|hash| hash.0)
 }

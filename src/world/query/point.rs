@@ -23,9 +23,13 @@ pub struct DeformableProjection {
     pub is_inside: bool,
 }
 
+/// A point that is nearer to the axis of a line than this lies on it, in radii: where it is beside it is a matter of rounding.
+const ON_AXIS: f64 = 1e-6;
+
 impl DeformableWorld {
     /// The nearest deformable within `max_dist` \[m\], and the point of it nearest to `point`. With `solid`, a point inside
-    /// of a closed body is its own projection; without, it is projected on the surface. A point or distance that is NaN,
+    /// of a closed body is its own projection; without, it is projected on the surface, from the axis of a line across it to
+    /// a side that is always the same. A point or distance that is NaN,
     /// and a point that is infinite, is near nothing.
     pub fn project_point(
         &self,
@@ -112,7 +116,11 @@ impl Deformable {
         let (distance, projected) = if solid && is_inside {
             (0.0, p)
         } else {
-            let away = (p - met.vector).normalize_or_zero();
+            let away = if thickness > 0.0 && met.distance < ON_AXIS * thickness {
+                search.out_of_line(&met, thickness)
+            } else {
+                (p - met.vector).normalize_or_zero()
+            };
             let surface = met.vector + away * thickness;
             (p.distance(surface), surface)
         };

@@ -1,6 +1,8 @@
 //! What is kept of a group asleep. What its contacts and attachments bore last goes on being told, and rigid bodies asleep on
 //! it feel the same load as before.
 
+#[cfg(feature = "serde-serialize")]
+use super::wake::Neighbour;
 use super::wake::Sleeper;
 use crate::math::Pose;
 use crate::world::observer::{AttachmentImpulse, Observer, PairImpulse, Substep};
@@ -88,6 +90,18 @@ impl Drowsy {
 impl Island {
     pub fn members(&self) -> impl Iterator<Item = DeformableHandle> {
         self.sleepers.iter().map(|s| s.deformable)
+    }
+
+    /// The colliders at rest beside its members.
+    #[cfg(feature = "serde-serialize")]
+    pub fn neighbours_mut(&mut self) -> impl Iterator<Item = &mut Neighbour> {
+        self.sleepers.iter_mut().flat_map(|s| &mut s.neighbours)
+    }
+
+    /// The same, to be read.
+    #[cfg(feature = "serde-serialize")]
+    pub fn neighbours(&self) -> impl Iterator<Item = &Neighbour> {
+        self.sleepers.iter().flat_map(|s| &s.neighbours)
     }
 
     /// What its contacts and attachments bear in `dt` s.

@@ -10,6 +10,8 @@ mod rigid;
 mod wake;
 
 pub(super) use island::{Drowsy, Island};
+#[cfg(feature = "serde-serialize")]
+pub(super) use wake::{HeldShape, Neighbour};
 
 use super::reach::Search;
 use super::{Deformable, DeformableHandle, DeformableWorld, RapierParts};

@@ -1,11 +1,11 @@
 //! Which sleeping rigid bodies must wake: Rapier lets them sleep by their own motion, and knows nothing of what lies on them,
 //! carries them, or comes at them.
 
-use crate::math::wide;
+use crate::math::{DVec3, wide};
 use crate::world::group::Touched;
 use crate::world::reach::{self, Search};
 use crate::world::substep::Group;
-use crate::world::{DeformableWorld, RapierParts};
+use crate::world::{AttachmentState, DeformableWorld, RapierParts};
 use rapier3d::dynamics::{RigidBodyHandle, RigidBodySet};
 
 /// How deep a held node is at least for which a body is kept awake, in length units: for less it would hardly move.
@@ -28,14 +28,15 @@ impl Group {
 }
 
 impl DeformableWorld {
-    /// Wakes bodies that a deformable is about to hit, at twice the speed below which Rapier lets bodies sleep.
+    /// Wakes bodies that a deformable is about to hit, at twice the speed below which Rapier lets bodies sleep, and those that
+    /// its pinned nodes take along.
     pub(in crate::world) fn wake_sleepers_in_the_way(&mut self, parts: &mut RapierParts, dt: f64) {
         let threshold = 0.1 * parts.length_unit();
         if !self.iter().any(|(_, b)| b.is_active()) {
             return;
         }
-        let search = Search::new(&self.known, parts, dt);
-        let mut wake = Vec::new();
+        let search = Search::ahead(&self.known, parts, dt);
+        let mut wake = self.loads_of_moving_pins(&search);
         let mut forms = std::mem::take(&mut self.forms);
         let mut gate = self.open_gate();
         for own in self.iter().filter(|(_, b)| b.is_active()) {
@@ -48,6 +49,30 @@ impl DeformableWorld {
         for handle in wake {
             parts.islands.wake_up(parts.bodies, handle, true);
         }
+    }
+
+    /// Bodies asleep that are attached to pinned nodes which are on their way, or were put elsewhere since the last step.
+    /// Neither of the two gives way, so their attachment would bear nothing, and the body stay behind.
+    fn loads_of_moving_pins(&self, search: &Search) -> Vec<RigidBodyHandle> {
+        let parts = search.parts;
+        let takes_along = |bond: &AttachmentState| {
+            let Some(soft) = self.get(bond.deformable).filter(|b| b.is_active()) else {
+                return false;
+            };
+            let mut pins = bond.pinned_nodes(&soft.state).peekable();
+            if bond.is_broken() || pins.peek().is_none() {
+                return false;
+            }
+            let velocities = soft.coming_velocities(search.lead);
+            pins.any(|node| velocities[node as usize] != DVec3::ZERO)
+                || self.is_moved_asleep(bond, parts)
+        };
+        let loads = self.attachments.iter().filter_map(|(_, bond)| {
+            let body = parts.bodies.get(bond.body()?)?;
+            let wakes = body.is_enabled() && body.is_dynamic() && body.is_sleeping();
+            (wakes && takes_along(bond)).then_some(bond.body())?
+        });
+        loads.collect()
     }
 
     pub(in crate::world) fn watch_sleepers(&mut self, parts: &mut RapierParts, dt: f64) {

@@ -1,13 +1,18 @@
 //! What wakes a group asleep: anything awake that comes near, anything near that changes, and a change of one of its bodies.
+//!
+//! Rapier's flags of what has changed are its own, and gone after its step. So a sleeper remembers all of a collider that its
+//! contacts depend on, and holds its shape: held, it can't change without being another one, whose address is all that has to
+//! be looked at. A snapshot has a hash of the shape in place of the address.
 
 use super::island::Island;
+use crate::contact::form::address;
 use crate::coupling::observe::velocity;
 use crate::math::{DVec3, Pose, Real};
 use crate::world::hooks::Gate;
 use crate::world::reach::{self, Search, travel, true_pose};
 use crate::world::{DeformableHandle, DeformableWorld, RapierParts};
-use rapier3d::dynamics::RigidBody;
-use rapier3d::geometry::{Aabb, Collider, ColliderHandle};
+use rapier3d::dynamics::{CoefficientCombineRule, RigidBody};
+use rapier3d::geometry::{Aabb, Collider, ColliderHandle, SharedShape};
 use rapier3d::parry::bounding_volume::BoundingVolume;
 
 /// How close something awake may be, in length units.
@@ -22,7 +27,7 @@ const NEAR: f64 = 0.01;
 pub(in crate::world) struct Sleeper {
     pub deformable: DeformableHandle,
     bounds: Aabb,
-    neighbours: Vec<Neighbour>,
+    pub neighbours: Vec<Neighbour>,
 }
 
 /// A collider at rest beside a sleeping deformable.
@@ -31,12 +36,26 @@ pub(in crate::world) struct Sleeper {
     derive(serde::Serialize, serde::Deserialize)
 )]
 #[derive(Clone, Debug, PartialEq)]
-struct Neighbour {
-    collider: ColliderHandle,
+pub(in crate::world) struct Neighbour {
+    pub collider: ColliderHandle,
+    /// Not saved, and `None` after that until it is found again: a neighbour without one counts as changed.
+    #[cfg_attr(feature = "serde-serialize", serde(skip))]
+    pub shape: Option<HeldShape>,
     pose: Pose,
-    bounds: Aabb,
-    friction: Real,
+    skin: Real,
+    friction: (Real, CoefficientCombineRule),
+    dominance: Option<i16>,
     pushes: bool,
+}
+
+/// A shape that is known by its address. While it is held, Rapier copies it before it changes it.
+#[derive(Clone, Debug)]
+pub(in crate::world) struct HeldShape(pub SharedShape);
+
+impl PartialEq for HeldShape {
+    fn eq(&self, other: &Self) -> bool {
+        address(&self.0) == address(&other.0)
+    }
 }
 
 impl DeformableWorld {
@@ -89,9 +108,11 @@ impl DeformableWorld {
                 if let Some(neighbours) = &mut neighbours {
                     neighbours.push(Neighbour {
                         collider: handle,
+                        shape: Some(HeldShape(collider.shared_shape().clone())),
                         pose,
-                        bounds: collider.shape().compute_local_aabb(),
-                        friction: collider.friction(),
+                        skin: collider.contact_skin(),
+                        friction: (collider.friction(), collider.friction_combine_rule()),
+                        dominance: rigid.map(RigidBody::effective_dominance_group),
                         pushes,
                     });
                 }
@@ -100,19 +121,28 @@ impl DeformableWorld {
         neighbours
     }
 
-    /// Wakes the groups that something will disturb within `dt` s, and what they in turn disturb.
+    /// Wakes the groups that something will disturb in a step of the world of `dt` s, and what they in turn disturb.
     pub(in crate::world) fn wake_islands(&mut self, parts: &RapierParts, dt: f64) {
-        if self.islands.is_empty() {
-            return;
+        if !self.islands.is_empty() {
+            self.wake_disturbed(&Search::ahead(&self.known, parts, dt));
         }
-        let search = Search::new(&self.known, parts, dt);
+    }
+
+    /// As [`Self::wake_islands`], between the Rapier steps of one step of the world.
+    pub(in crate::world) fn wake_more_islands(&mut self, parts: &RapierParts, dt: f64) {
+        if !self.islands.is_empty() {
+            self.wake_disturbed(&Search::new(&self.known, parts, dt));
+        }
+    }
+
+    fn wake_disturbed(&mut self, search: &Search) {
         let mut gate = self.open_gate();
         let active = self.iter().filter(|(_, b)| b.is_active());
         let mut awake: Vec<(DeformableHandle, Aabb)> = active
-            .map(|(h, b)| (h, self.swept_box(h, b, &search)))
+            .map(|(h, b)| (h, self.swept_box(h, b, search)))
             .collect();
         loop {
-            let calm = |island: &Island| self.is_calm(island, &awake, &search, &mut gate);
+            let calm = |island: &Island| self.is_calm(island, &awake, search, &mut gate);
             let calm: Vec<bool> = self.islands.iter().map(calm).collect();
             if calm.iter().all(|calm| *calm) {
                 break;
@@ -126,7 +156,7 @@ impl DeformableWorld {
                 }
                 self.clear_touches_of(handle);
                 if let Some(body) = self.get(handle).filter(|b| b.is_active()) {
-                    awake.push((handle, self.swept_box(handle, body, &search)));
+                    awake.push((handle, self.swept_box(handle, body, search)));
                 }
             }
         }

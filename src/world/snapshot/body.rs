@@ -207,10 +207,8 @@ impl Saved {
             edits: self.edits,
             moved: self.moved,
             shifted: self.shifted,
-            work_backup: self.work,
             h: self.h,
             links: self.links,
-            links_backup: self.links,
             user_data: u128::from(self.user_data[0]) | u128::from(self.user_data[1]) << 64,
             ..Deformable::default()
         })

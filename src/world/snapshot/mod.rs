@@ -14,7 +14,7 @@ mod error;
 pub use error::SnapshotError;
 
 use super::group::BodyKey;
-use super::sleep::Island;
+use super::sleep::{HeldShape, Island, Neighbour};
 use super::touch::{Touch, TouchKey};
 use super::{AttachmentState, Deformable, DeformableParameters, DeformableWorld, meet, reach};
 use crate::contact::candidates::{self, Candidates};
@@ -25,7 +25,7 @@ use crate::math::Vector;
 use envelope::{Kind, open, wrap};
 use rapier3d::data::arena::Arena;
 use rapier3d::dynamics::RigidBodySet;
-use rapier3d::geometry::{ColliderHandle, ColliderSet};
+use rapier3d::geometry::{ColliderHandle, ColliderSet, SharedShape};
 use rapier3d::pipeline::PhysicsWorld;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -46,6 +46,8 @@ struct Outgoing<'a> {
     known: &'a reach::Known,
     touches: &'a BTreeMap<TouchKey, Touch>,
     islands: &'a [Island],
+    /// Hashes of the shapes beside the islands, in their order; `None` for those that are others by now.
+    shapes: Vec<Option<u64>>,
     time: f64,
     steps: u64,
     fine_until: f64,
@@ -65,6 +67,7 @@ struct Incoming {
     known: reach::Known,
     touches: BTreeMap<TouchKey, Touch>,
     islands: Vec<Island>,
+    shapes: Vec<Option<u64>>,
     time: f64,
     steps: u64,
     fine_until: f64,
@@ -156,6 +159,12 @@ impl DeformableWorld {
             colliders.get(ColliderHandle::from_raw_parts(index, generation))?;
             Some((*key, contact.save()?))
         });
+        let shape = |beside: &Neighbour| {
+            let shape = colliders.get(beside.collider)?.shared_shape();
+            let same = beside.shape.as_ref() == Some(&HeldShape(shape.clone()));
+            same.then(|| candidates::fingerprint(shape))?
+        };
+        let beside = self.islands.iter().flat_map(Island::neighbours);
         Ok(Outgoing {
             params: &self.params,
             bodies: &self.bodies,
@@ -167,6 +176,7 @@ impl DeformableWorld {
             known: &self.known,
             touches: &self.touches,
             islands: &self.islands,
+            shapes: beside.map(shape).collect(),
             time: self.time,
             steps: self.steps,
             fine_until: self.fine_until,
@@ -195,6 +205,13 @@ impl Incoming {
             parity: self.parity,
             ..DeformableWorld::default()
         };
+        let beside = world.islands.iter_mut().flat_map(Island::neighbours_mut);
+        for (neighbour, saved) in beside.zip(self.shapes) {
+            let shape = colliders.get(neighbour.collider);
+            let shape = shape.map(|c| c.shared_shape().clone());
+            let same = |s: &SharedShape| saved.is_some() && candidates::fingerprint(s) == saved;
+            neighbour.shape = shape.filter(same).map(HeldShape);
+        }
         for (key, saved) in self.contacts {
             let contact = world.contact(key, saved, bodies, colliders);
             world.contacts.extend(contact.map(|c| (key, c)));

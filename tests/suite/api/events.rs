@@ -106,6 +106,41 @@ fn what_is_removed_stops_touching() {
     }
 }
 
+/// What ceases to push and still is there is one end and, where it goes on noticing, one start, awake or asleep.
+#[test]
+fn what_becomes_a_sensor_and_back_is_told_as_two() {
+    for sleeps in [false, true] {
+        let (mut world, floor) = floored(1.0 / 60.0);
+        let mut set = DeformableWorld::new();
+        let block = cube(0.3).translation(Vector::Y * 0.15).can_sleep(sleeps);
+        let block = set.insert(block).unwrap();
+        for _ in 0..300 {
+            set.step(&mut world);
+        }
+        assert_eq!(set[block].is_sleeping(), sleeps);
+        let told = |world: &mut PhysicsWorld, set: &mut DeformableWorld| {
+            set.step(world);
+            let events = &set.report().events;
+            let sensors: Vec<bool> = events.iter().map(|e| e.sensor).collect();
+            assert!(events.iter().all(|e| e.contact.partner == floor.into()));
+            (letters(events), sensors)
+        };
+        world.colliders[floor].set_sensor(true);
+        let both = ("ES".to_string(), vec![false, true]);
+        assert_eq!(told(&mut world, &mut set), both, "asleep: {sleeps}");
+        assert_eq!(set.contact_force(block, floor), None);
+        world.colliders[floor].set_sensor(false);
+        let both = ("ES".to_string(), vec![true, false]);
+        assert_eq!(told(&mut world, &mut set), both);
+        world.colliders[floor].set_enabled(false);
+        assert_eq!(told(&mut world, &mut set), ("E".to_string(), vec![false]));
+        world.colliders[floor].set_enabled(true);
+        assert_eq!(told(&mut world, &mut set), ("S".to_string(), vec![false]));
+        world.remove_collider(floor);
+        assert_eq!(told(&mut world, &mut set), ("R".to_string(), vec![false]));
+    }
+}
+
 /// A springy block without damping bounces: started and stopped take turns, with or without sub-steps of Rapier.
 #[test]
 fn bounces_take_turns() {

@@ -22,3 +22,4 @@ mod state;
 mod threads;
 mod time;
 mod units;
+mod wake;

@@ -289,6 +289,39 @@ fn ropes_are_lines_with_the_thickness_a_query_gives_them() {
     assert!(set.cast_ray(&gap, 9.0, true, thick).is_none());
 }
 
+/// A point on the axis of a rope is as near to the surface on every side, and one of them is taken: across the rope, out of
+/// every spring.
+#[test]
+fn a_point_on_the_axis_of_a_rope_is_projected_on_its_surface() {
+    let mut set = DeformableWorld::new();
+    let bent = [Vector::X, Vector::ZERO, Vector::Y].map(|x| Node::new(x, 1.0));
+    let springs = vec![Spring::new(0, 1, 1000.0), Spring::new(1, 2, 1000.0)];
+    let wire = DeformableBuilder::new(Net::new(bent.into(), springs));
+    let wire = set.insert(wire).unwrap();
+    let lone = set.insert(bead(1.0).translation(Vector::Z * 3.0)).unwrap();
+    let thick = ALL.line_radius(0.05);
+    let axis = |p: Vector| {
+        let apart = |end: Vector| p.distance(end * p.dot(end).clamp(0.0, 1.0));
+        apart(Vector::X).min(apart(Vector::Y))
+    };
+    for p in [Vector::X * 0.3, Vector::Y * 0.7, Vector::ZERO, Vector::Y] {
+        let found = set.project_point(p, 9.0, false, thick).unwrap();
+        assert!(found.is_inside && found.deformable == wire);
+        assert!((found.distance - 0.05).abs() < 1e-6, "{found:?}");
+        assert!((axis(found.point) - 0.05).abs() < 1e-6, "{found:?}");
+        assert_eq!(set.project_point(p, 9.0, false, thick), Some(found));
+        let solid = set.project_point(p, 9.0, true, thick).unwrap();
+        assert!(solid.is_inside && solid.point == p && solid.distance == 0.0);
+        let bare = set.project_point(p, 9.0, false, ALL).unwrap();
+        assert!(!bare.is_inside && bare.point == p && bare.distance == 0.0);
+        assert_eq!(set.project_point(p, 0.01, false, thick), None);
+    }
+    let p = Vector::Z * 3.0;
+    let found = set.project_point(p, 9.0, false, thick).unwrap();
+    assert!(found.is_inside && found.deformable == lone);
+    assert!((found.point.distance(p) - 0.05).abs() < 1e-6);
+}
+
 /// A query after the first looks at few faces: 40,000 rays against all of 97,200 faces would take most of a minute.
 #[test]
 fn many_rays_at_many_faces_are_quick() {

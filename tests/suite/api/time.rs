@@ -55,6 +55,55 @@ fn zero_dt_applies_changes_and_moves_nothing() {
     assert!((set[handle].linvel().z - v) * set[handle].mass() > 0.5);
 }
 
+/// Down to a nanosecond each is a step, and what is shorter is none; the run goes on as without either.
+#[test]
+fn a_dt_may_be_as_short_as_it_likes() {
+    let shortest = f32::from_bits(1);
+    for dt in [
+        shortest, 1e-38, 1e-30, 1e-20, 1e-17, 1e-15, 1e-14, 1e-12, 1e-9, 1e-7,
+    ] {
+        let (mut world, mut set) = scene(1.0 / 60.0);
+        let (mut plain_world, mut plain) = scene(1.0 / 60.0);
+        for _ in 0..10 {
+            set.step(&mut world);
+            plain.step(&mut plain_world);
+        }
+        let balances = |set: &DeformableWorld| -> Vec<f64> {
+            set.iter().map(|(_, b)| b.energies().balance()).collect()
+        };
+        let before = balances(&set);
+        world.integration_parameters.dt = dt;
+        for _ in 0..5 {
+            set.step(&mut world);
+            let report = set.report();
+            assert!(report.frozen.is_empty(), "{dt:e}: {report:?}");
+            let refused = (dt < 1e-9).then_some(f64::from(dt));
+            assert_eq!(report.invalid_dt, refused);
+            assert!(
+                bits(&world)
+                    .iter()
+                    .flatten()
+                    .all(|b| f32::from_bits(*b).is_finite()),
+                "{dt:e}"
+            );
+        }
+        for ((_, body), before) in set.iter().zip(before) {
+            let e = body.energies();
+            let off = (e.balance() - before).abs() / e.scale();
+            assert!(off < 1e-4, "{dt:e}: {off:e}");
+        }
+        world.integration_parameters.dt = 1.0 / 60.0;
+        for _ in 0..10 {
+            set.step(&mut world);
+            plain.step(&mut plain_world);
+        }
+        for ((_, body), (_, plain)) in set.iter().zip(plain.iter()) {
+            let off = (body.center_of_mass() - plain.center_of_mass()).length();
+            assert!(off < 1e-3, "{dt:e}: {off} m");
+        }
+    }
+}
+
 #[test]
 fn dt_may_change_every_step() {
     let dts = [1.0 / 60.0, 1.0 / 240.0, 1.0 / 30.0, 1e-3, 1.0 / 144.0_f32];

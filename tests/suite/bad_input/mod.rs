@@ -3,6 +3,7 @@
 mod build;
 #[cfg(feature = "import")]
 mod files;
+mod numbers;
 mod queries;
 #[cfg(feature = "cli")]
 mod scene_files;

@@ -1,0 +1,257 @@
+//! What must wake what sleeps: floors that become others, led nodes on their way, pins that carry a load.
+
+use crate::fixtures::{cube, floored};
+use crumple::body::{Net, Node};
+use crumple::prelude::*;
+use crumple::rapier3d::prelude::*;
+
+/// A soft cube asleep on a floor whose top is y = 0.
+fn lying_on(
+    floor: ColliderBuilder,
+) -> (
+    PhysicsWorld,
+    DeformableWorld,
+    DeformableHandle,
+    ColliderHandle,
+) {
+    let mut world = PhysicsWorld::default();
+    let (_, floor) = world.insert(RigidBodyBuilder::fixed(), floor);
+    let mut set = DeformableWorld::new();
+    let soft = set.insert(cube(0.3).translation(Vector::Y * 0.15)).unwrap();
+    for _ in 0..600 {
+        set.step(&mut world);
+    }
+    assert!(set[soft].is_sleeping());
+    (world, set, soft, floor)
+}
+
+/// Nine tiles of 1 m about the origin, without that in the middle where there is a hole.
+fn tiles(hole: bool) -> (Vec<Vector>, Vec<[u32; 3]>) {
+    let at = |i: u32| Vector::new((i % 4) as f32 - 1.5, 0.0, (i / 4) as f32 - 1.5);
+    let corners = (0..16).map(at).collect();
+    let firsts = [0, 1, 2, 4, 5, 6, 8, 9, 10];
+    let kept = firsts.iter().filter(|a| !(hole && **a == 5));
+    let faces = kept.flat_map(|&a| [[a, a + 4, a + 5], [a, a + 5, a + 1]]);
+    (corners, faces.collect())
+}
+
+fn tiled() -> ColliderBuilder {
+    let (corners, faces) = tiles(false);
+    ColliderBuilder::trimesh(corners, faces).unwrap()
+}
+
+/// Nine voxels of 1 m.
+fn voxels() -> ColliderBuilder {
+    let cells: Vec<IVector> = (0..9).map(|i| IVector::new(i % 3, 0, i / 3)).collect();
+    ColliderBuilder::voxels(Vector::ONE, &cells).translation(Vector::new(-1.5, -1.0, -1.5))
+}
+
+fn dig(floor: &mut Collider) {
+    let voxels = floor.shape_mut().as_voxels_mut().unwrap();
+    voxels.set_voxel(IVector::new(1, 0, 1), false);
+}
+
+/// All within the same bounds.
+#[test]
+fn a_floor_that_becomes_another_wakes() {
+    type Change = fn(&mut Collider);
+    let causes: [(&str, ColliderBuilder, bool, Change); 4] = [
+        ("a voxel that was dug out", voxels(), true, dig),
+        ("a mesh with a hole", tiled(), true, |floor| {
+            let (corners, faces) = tiles(true);
+            floor.set_shape(SharedShape::trimesh(corners, faces).unwrap());
+        }),
+        ("a skin", tiled(), false, |floor| {
+            floor.set_contact_skin(0.02)
+        }),
+        ("a rule of friction", tiled(), false, |floor| {
+            floor.set_friction_combine_rule(CoefficientCombineRule::Max)
+        }),
+    ];
+    for (name, floor, falls, change) in causes {
+        let (mut world, mut set, soft, floor) = lying_on(floor);
+        change(&mut world.colliders[floor]);
+        set.step(&mut world);
+        assert!(!set[soft].is_sleeping(), "{name} must wake it");
+        for _ in 0..30 {
+            set.step(&mut world);
+        }
+        let y = set[soft].center_of_mass().y;
+        assert_eq!(y < -0.3, falls, "{name}: {y} m");
+    }
+}
+
+/// A shape that is changed is copied first where somebody else holds it, and one of a snapshot is another one always.
+#[test]
+fn a_saved_sleeper_wakes_by_what_was_changed_before_it_was_saved() {
+    for digs in [false, true] {
+        let (mut world, mut set, soft, floor) = lying_on(voxels());
+        if digs {
+            dig(&mut world.colliders[floor]);
+        }
+        let bytes = set.save(&world).unwrap();
+        let (mut again, mut world_again) = DeformableWorld::load(&bytes).unwrap();
+        for _ in 0..20 {
+            set.step(&mut world);
+            again.step(&mut world_again);
+            assert_eq!(set[soft].is_sleeping(), !digs);
+            assert_eq!(again.state_hash(), set.state_hash());
+        }
+        if digs {
+            continue;
+        }
+        dig(&mut world_again.colliders[floor]);
+        again.step(&mut world_again);
+        assert!(!again[soft].is_sleeping(), "dug out after it was restored");
+    }
+}
+
+/// A pinned bead that is led at 2 m/s takes along what slept in its way.
+#[test]
+fn led_nodes_wake_what_they_run_into() {
+    let (mut world, _) = floored(1.0 / 60.0);
+    let at = RigidBodyBuilder::dynamic().translation(Vector::new(0.0, 0.1, 0.0));
+    let (crate_, _) = world.insert(at, ColliderBuilder::cuboid(0.1, 0.1, 0.1).density(200.0));
+    let mut set = DeformableWorld::new();
+    let soft = cube(0.2).translation(Vector::new(0.0, 0.1, 2.0));
+    let soft = set.insert(soft).unwrap();
+    for _ in 0..300 {
+        set.step(&mut world);
+    }
+    assert!(world.bodies[crate_].is_sleeping() && set[soft].is_sleeping());
+    let pins = [0.0, 2.0].map(|z| {
+        let pin = Node::new(Vector::new(-0.6, 0.1, z), 1.0).pinned();
+        let pin = DeformableBuilder::new(Net::new(vec![pin], vec![]));
+        set.insert(pin).unwrap()
+    });
+    for i in 1..=40 {
+        let x = -0.6 + 2.0 * i as f32 / 60.0;
+        for (pin, z) in pins.iter().zip([0.0, 2.0]) {
+            let target = Vector::new(x, 0.1, z);
+            assert!(set[*pin].set_kinematic_target(NodeId(0), target));
+        }
+        set.step(&mut world);
+        let ahead = [
+            f64::from(world.bodies[crate_].translation().x) - 0.1,
+            set[soft].bounds().0.x,
+        ];
+        for ahead in ahead {
+            // The blow itself takes a step.
+            let least = if (16..18).contains(&i) { -1e-2 } else { -5e-3 };
+            assert!(ahead - f64::from(x) > least, "step {i}: {ahead} of {x} m");
+        }
+    }
+    assert!(world.bodies[crate_].translation().x > 0.1);
+}
+
+/// A load welded to four pins, which a damped spring may let sleep.
+fn hung(sleeps: bool) -> (PhysicsWorld, DeformableWorld, DeformableHandle, Hung) {
+    let mut world = PhysicsWorld::default();
+    let at = RigidBodyBuilder::dynamic().translation(Vector::Y * -0.2);
+    let shape = ColliderBuilder::cuboid(0.1, 0.1, 0.1).density(1000.0);
+    let (load, _) = world.insert(at, shape.collision_groups(InteractionGroups::none()));
+    let mut set = DeformableWorld::new();
+    let corners = [(-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1)];
+    let node = |(x, z)| Node::new(Vector::new(x, 0.0, z), 1.0).pinned();
+    let nodes = corners.map(node).into();
+    let springs = if sleeps {
+        vec![Spring::new(0, 1, 1000.0).damping(10.0)]
+    } else {
+        vec![]
+    };
+    let pins = set
+        .insert(DeformableBuilder::new(Net::new(nodes, springs)))
+        .unwrap();
+    let all = [0, 1, 2, 3].map(NodeId);
+    let bond = set.attach(pins, &all, load, &world.bodies).unwrap();
+    for _ in 0..400 {
+        set.step(&mut world);
+    }
+    assert!(world.bodies[load].is_sleeping());
+    assert_eq!(set[pins].is_sleeping(), sleeps);
+    (world, set, pins, Hung { load, bond })
+}
+
+#[derive(Clone, Copy)]
+struct Hung {
+    load: RigidBodyHandle,
+    bond: AttachmentHandle,
+}
+
+/// Adds up what attachments did to a deformable.
+#[derive(Default)]
+struct Tied {
+    impulse: f64,
+    time: f64,
+}
+
+impl Observer for Tied {
+    fn substep(&mut self, s: &Substep) {
+        self.impulse += s.attachments.iter().map(|a| a.impulse.y).sum::<f64>();
+        self.time += s.h;
+    }
+}
+
+/// Symptom: the force of a load that had fallen asleep was 0. Cause: between two that do not move no row has an impulse.
+#[test]
+fn what_a_sleeping_load_hangs_by_is_told() {
+    for sleeps in [false, true] {
+        let (mut world, mut set, _, hung) = hung(sleeps);
+        let weight = f64::from(world.bodies[hung.load].mass()) * 9.81;
+        let mut tied = Tied::default();
+        for _ in 0..60 {
+            set.step_with(&mut world, &(), &(), &mut tied);
+            assert!(world.bodies[hung.load].is_sleeping());
+            let (force, _) = set.attachment_force(hung.bond).unwrap();
+            assert!((force.y / weight - 1.0).abs() < 1e-3, "{force} {sleeps}");
+        }
+        let mean = -tied.impulse / tied.time;
+        assert!((mean / weight - 1.0).abs() < 1e-3, "{mean} of {weight}");
+        let bytes = set.save(&world).unwrap();
+        let (mut again, mut world_again) = DeformableWorld::load(&bytes).unwrap();
+        again.step(&mut world_again);
+        set.step(&mut world);
+        assert_eq!(
+            again.attachment_force(hung.bond),
+            set.attachment_force(hung.bond)
+        );
+    }
+}
+
+/// By targets, by a velocity, and by being put elsewhere.
+#[test]
+fn pins_on_their_way_wake_their_load() {
+    type Move = fn(&mut Deformable, NodeId, f32);
+    let ways: [(&str, Move); 3] = [
+        ("led", |pins, node, _| {
+            let now = pins.position(node).unwrap().as_vec3();
+            pins.set_kinematic_target(node, now + Vector::Y / 60.0);
+        }),
+        ("a velocity", |pins, node, _| {
+            pins.set_linvel_of(node, Vector::Y);
+        }),
+        ("put elsewhere", |pins, node, t| {
+            if t == 0.0 {
+                let now = pins.position(node).unwrap().as_vec3();
+                pins.set_position(node, now + Vector::Y * 0.01);
+            }
+        }),
+    ];
+    for sleeps in [false, true] {
+        for (name, way) in ways {
+            let (mut world, mut set, pins, hung) = hung(sleeps);
+            let from = set[pins].position(NodeId(0)).unwrap().y;
+            let before = f64::from(world.bodies[hung.load].translation().y);
+            for i in 0..60 {
+                for node in [0, 1, 2, 3].map(NodeId) {
+                    way(&mut set[pins], node, i as f32 / 60.0);
+                }
+                set.step(&mut world);
+            }
+            let moved = set[pins].position(NodeId(0)).unwrap().y - from;
+            let risen = f64::from(world.bodies[hung.load].translation().y) - before;
+            assert!(moved > 9e-3, "{name}: {moved}");
+            assert!((risen - moved).abs() < 1e-3, "{name}: {risen} of {moved}");
+        }
+    }
+}
