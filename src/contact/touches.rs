@@ -19,6 +19,8 @@ pub struct Touch {
     row: u32,
     /// The normal it had.
     pub normal: DVec3,
+    /// How deep it was \[m\].
+    depth: f64,
     /// Where friction holds it.
     pub hold: Option<Hold>,
     /// What the row ended with \[N·s\], in the world: along its normal, and the friction.
@@ -87,6 +89,19 @@ impl Touches {
         normals.max_by(|a, b| along(a).total_cmp(&along(b)))
     }
 
+    /// How deep the deepest of certain points was that last touched with a normal that has at least a cosine of `alike` with a
+    /// direction \[m\].
+    pub fn deepest_along(
+        &self,
+        direction: DVec3,
+        alike: f64,
+        is: impl Fn(Key) -> bool,
+    ) -> Option<f64> {
+        let along = |t: &&Touch| is(t.key) && t.normal.dot(direction) >= alike;
+        let depths = self.kept.iter().filter(along).map(|t| t.depth);
+        depths.max_by(f64::total_cmp)
+    }
+
     /// Whether this point touched last.
     pub fn touched(&self, key: Key) -> bool {
         self.kept.binary_search_by_key(&key, |t| t.key).is_ok()
@@ -123,6 +138,7 @@ impl Touches {
             key,
             row: row as u32,
             normal,
+            depth: 0.0,
             hold: Some(hold),
             impulse: Default::default(),
         });
@@ -139,6 +155,7 @@ impl Touches {
                 self.kept.push(Touch {
                     hold: touch.hold.filter(|_| !pressed || row.sticks()),
                     impulse: (row.normal_impulse, row.friction_impulse),
+                    depth: row.depth,
                     ..*touch
                 });
             }

@@ -248,16 +248,16 @@ impl Making<'_, '_> {
         last(true).or_else(over).or_else(|| last(false))
     }
 
-    /// Whether this edge crossed another one of the part when it last touched, or one beside it did, from the same side.
-    fn comes_from_beside(&self, [p, e, _]: Key, normal: DVec3) -> bool {
+    /// How deep this edge or one beside it crossed any of the part's when it last touched from the same side \[m\]: one that slides
+    /// on from edge to edge is as deep in the next.
+    fn deep_beside(&self, [p, e, _]: Key, normal: DVec3) -> Option<f64> {
         let edges = &self.site.side.topology.edges;
         let nodes = edges[e as usize];
         let is = |[part, own, _]: Key| {
             let own = edges.get(own as usize);
             part == p && own.is_some_and(|own| share_node(own, &nodes))
         };
-        let last = self.touches.normal_along(normal, is);
-        last.is_some_and(|last| last.dot(normal) > ALIKE)
+        self.touches.deepest_along(normal, ALIKE, is)
     }
 
     /// An edge against the part: where it crosses the part's edges, and where it comes nearest to a round side.
@@ -300,7 +300,12 @@ impl Making<'_, '_> {
             }
             let at = (c.t, c.normal, c.distance);
             let key = [p, e, c.edge];
-            let known = self.touches.touched(key) || self.comes_from_beside(key, c.normal);
+            let reach = self.site.reach.touching;
+            let slid_on = || {
+                let before = self.deep_beside(key, c.normal);
+                before.is_some_and(|depth| self.skin - c.distance <= depth + reach)
+            };
+            let known = self.touches.touched(key) || slid_on();
             self.across((key, known), (&nodes, &corners), at, deepest);
         };
         part.solid.for_each_crossing(a, b, most, &mut cross);
