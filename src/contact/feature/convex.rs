@@ -248,16 +248,17 @@ impl Making<'_, '_> {
         last(true).or_else(over).or_else(|| last(false))
     }
 
-    /// How deep this edge or one beside it crossed any of the part's when it last touched from the same side \[m\]: one that slides
-    /// on from edge to edge is as deep in the next.
-    fn deep_beside(&self, [p, e, _]: Key, normal: DVec3) -> Option<f64> {
+    /// Whether an edge that is so deep in another one of the part \[m\] may have slid on from one beside it: this edge or a
+    /// neighbour was about as deep when it last touched from the same side.
+    fn has_slid_on(&self, [p, e, _]: Key, normal: DVec3, depth: f64) -> bool {
         let edges = &self.site.side.topology.edges;
         let nodes = edges[e as usize];
         let is = |[part, own, _]: Key| {
             let own = edges.get(own as usize);
             part == p && own.is_some_and(|own| share_node(own, &nodes))
         };
-        self.touches.deepest_along(normal, ALIKE, is)
+        let before = self.touches.deepest_along(normal, ALIKE, is);
+        before.is_some_and(|before| depth <= before + self.site.reach.touching)
     }
 
     /// An edge against the part: where it crosses the part's edges, and where it comes nearest to a round side.
@@ -300,12 +301,10 @@ impl Making<'_, '_> {
             }
             let at = (c.t, c.normal, c.distance);
             let key = [p, e, c.edge];
-            let reach = self.site.reach.touching;
-            let slid_on = || {
-                let before = self.deep_beside(key, c.normal);
-                before.is_some_and(|depth| self.skin - c.distance <= depth + reach)
-            };
-            let known = self.touches.touched(key) || slid_on();
+            let depth = self.skin - c.distance;
+            let is_deep = depth > self.site.reach.touching && depth <= deepest;
+            let known =
+                self.touches.touched(key) || is_deep && self.has_slid_on(key, c.normal, depth);
             self.across((key, known), (&nodes, &corners), at, deepest);
         };
         part.solid.for_each_crossing(a, b, most, &mut cross);
