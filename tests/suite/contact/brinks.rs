@@ -73,7 +73,7 @@ fn they_lie_on_the_brink_wherever_their_nodes_come_down() {
             let net = rope(Vector::X * -0.7, Vector::X * 0.8, 15, 1e-4).unwrap();
             let lines: Vec<[u32; 2]> = (0..15).map(|i| [i, i + 1]).collect();
             let rope = DeformableBuilder::new(net)
-                .material(material.clone())
+                .material(material)
                 .translation(start);
             let depth = deepest(&table, rope, &lines);
             assert!(depth < 1e-4, "rope, {name}, {beyond} m: {depth} m deep");
