@@ -129,6 +129,14 @@ impl std::ops::Mul<f64> for Load {
     }
 }
 
+impl std::ops::AddAssign for Load {
+    fn add_assign(&mut self, other: Self) {
+        self.force += other.force;
+        self.moment += other.moment;
+        self.torque += other.torque;
+    }
+}
+
 /// An attachment as the world keeps it.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(

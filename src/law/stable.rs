@@ -100,8 +100,8 @@ pub fn leapfrog(k: f64, c: f64) -> f64 {
     4.0 / (c + (c * c + 4.0 * k).sqrt())
 }
 
-/// Velocity Verlet with damping by half-step velocities: as [`leapfrog`], and the two fixed-point passes for the half-step
-/// velocity, which contract by ½hc, want hc ≤ ½.
+/// Velocity Verlet with damping by half-step velocities: as [`leapfrog`], and the fixed-point passes for the half-step velocity,
+/// which contract by ½hc, want hc ≤ ½.
 pub fn verlet(k: f64, c: f64) -> f64 {
     leapfrog(k, c).min(0.5 / c)
 }

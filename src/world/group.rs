@@ -317,9 +317,9 @@ impl DeformableWorld {
         for attachment in group.attachments {
             if let Some(kept) = self.attachments.get_mut(attachment.handle.0) {
                 *kept = attachment.bond;
-                kept.force = attachment.impulse / dt;
-                kept.torque = attachment.torque / dt;
-                kept.moment = attachment.moment / dt;
+                kept.force = attachment.load.force / dt;
+                kept.torque = attachment.load.torque / dt;
+                kept.moment = attachment.load.moment / dt;
                 if !attachment.asleep {
                     kept.by_pins = attachment.by_pins * (1.0 / dt);
                 }

@@ -19,14 +19,11 @@ pub(super) struct Attached {
     /// The member that it is attached to.
     pub other: Option<u32>,
     pub bond: AttachmentState,
-    /// Impulse and angular impulse on the target in this rigid step, the latter about the rigid body's centre of mass and
-    /// about the pivot.
-    pub impulse: DVec3,
-    pub torque: DVec3,
-    pub moment: DVec3,
-    /// What of these points bore that pinned nodes alone hold.
+    /// What the target got in this rigid step, added up.
+    pub load: Load,
+    /// What of it by points that pinned nodes alone hold.
     pub by_pins: Load,
-    /// Whether the rigid body sleeps: they bear what they bore before then.
+    /// Whether the rigid body sleeps: those points bear what they bore before then.
     pub asleep: bool,
     /// The pivot, relative to what the arms of ties are relative to.
     pivot: DVec3,
@@ -61,8 +58,7 @@ impl Attached {
         (self.bond.energy, self.bond.average) = self.start;
         self.bond.broken = None;
         self.just_broke = false;
-        (self.impulse, self.torque, self.moment) = Default::default();
-        self.by_pins = Load::default();
+        (self.load, self.by_pins) = Default::default();
     }
 }
 
@@ -106,9 +102,7 @@ impl Group {
             other,
             start: (bond.energy, bond.average),
             bond,
-            impulse: DVec3::ZERO,
-            torque: DVec3::ZERO,
-            moment: DVec3::ZERO,
+            load: Load::default(),
             by_pins: Load::default(),
             asleep,
             pivot: DVec3::ZERO,
@@ -206,9 +200,7 @@ impl Group {
         for (a, tied) in self.attachments.iter_mut().zip(&mut self.tied) {
             if a.asleep && !a.bond.is_broken() {
                 let load = a.bond.by_pins * h;
-                a.impulse += load.force;
-                a.moment += load.moment;
-                a.torque += load.torque;
+                a.load += load;
                 tied.impulse -= load.force;
                 tied.moment -= load.moment;
             }
@@ -240,21 +232,20 @@ impl Group {
                 owner.solver.work.rigid -= tie.impulse.dot(stretching);
                 owner.solver.work.damping += link.dissipated;
             }
-            let impulse = -tie.impulse;
-            let moment = (tie.arm - attached.pivot).cross(impulse);
-            attached.impulse += impulse;
-            attached.torque += tie.arm.cross(impulse);
-            attached.moment += moment;
+            let load = Load {
+                force: -tie.impulse,
+                moment: (tie.arm - attached.pivot).cross(-tie.impulse),
+                torque: tie.arm.cross(-tie.impulse),
+            };
+            attached.load += load;
             let mut terms = self.rows.terms_of(tie.terms).iter();
             let pinned = |t: &Term| self.rows.nodes[t.node as usize].inv_mass == 0.0;
             if tie.softness == 0.0 && !tie.between && terms.all(pinned) {
-                attached.by_pins.force += impulse;
-                attached.by_pins.torque += tie.arm.cross(impulse);
-                attached.by_pins.moment += moment;
+                attached.by_pins += load;
             }
             let tied = &mut self.tied[tie.attachment as usize];
-            tied.impulse -= impulse;
-            tied.moment -= moment;
+            tied.impulse -= load.force;
+            tied.moment -= load.moment;
         }
     }
 }

@@ -97,8 +97,8 @@ impl Making<'_, '_> {
         (true, patch.foot_on_border(point))
     }
 
-    /// A point that comes down on a face, or `beside` it, by its number and place, if it may touch; `outward` is the normal at the foot, away
-    /// from the body.
+    /// A point that comes down on a face, or `beside` it, by its number and place, if it may touch; `outward` is the normal at
+    /// the foot, away from the body.
     pub(super) fn over(
         &self,
         (number, point): (u32, DVec3),

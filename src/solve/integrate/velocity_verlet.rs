@@ -10,8 +10,8 @@ use crate::math::Scalar;
 use crate::solve::external::ForceField;
 use crate::solve::solver::Solver;
 
-/// What a last pass may still change, in first half kicks \[1\]. Each brings it down by the damping ratio of the stiffest mode, at
-/// most by about 5.
+/// What the last pass may still change, in changes by the first \[1\]. Passes contract by ½hc, at most ¼ (see
+/// [`verlet`](crate::law::stable::verlet)), so the eighth is the last.
 const SETTLED: f64 = 1e-4;
 /// Passes after which a velocity that does not settle is left alone: it is not finite, or a force field jumps.
 const MOST: usize = 16;

@@ -52,8 +52,8 @@ impl Group {
         let bonds = self.attachments.iter().zip(&self.tied);
         let mut tied: Vec<AttachmentImpulse> = bonds
             .map(|(bond, tied)| AttachmentImpulse {
-                impulse: -bond.impulse / dt,
-                moment: -bond.moment / dt,
+                impulse: -bond.load.force / dt,
+                moment: -bond.load.moment / dt,
                 ..*tied
             })
             .collect();
