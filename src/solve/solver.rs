@@ -184,15 +184,10 @@ impl<S: Scalar> Solver<S> {
         }
     }
 
-    /// Force of springs, elements and outside on a node at the last evaluation \[N\], gravity left out.
-    pub(crate) fn force(&self, node: usize) -> DVec3 {
-        let f = self.forces.at(node);
-        let sum = |k: usize| {
-            f.elastic[k].f64()
-                + f.damping[k].f64()
-                + self.applied.get(node).map_or(0.0, |a| a[k].f64())
-        };
-        DVec3::new(sum(0), sum(1), sum(2))
+    /// The force from outside on a node at the last evaluation \[N\], gravity left out.
+    pub(crate) fn applied_force(&self, node: usize) -> DVec3 {
+        let applied = self.applied.get(node);
+        applied.map_or(DVec3::ZERO, |a| DVec3::from_array(a.map(Scalar::f64)))
     }
 
     /// Force of springs and elements on a node at the last evaluation, damping left out \[N\].

@@ -11,8 +11,8 @@ use crate::solve::work::Work;
 /// Energies of a body and the work done on it so far \[J\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energies {
-    /// ½Σ m·v⁻·v⁺ with the velocities half a substep before and after for symplectic Euler and velocity Verlet, which are
-    /// leapfrog; ½Σ m·v² for the other schemes.
+    /// ½Σ m·v⁻·v⁺ with the velocities half a substep before and after, as they would be without damping, for symplectic Euler
+    /// and velocity Verlet, which are leapfrog; ½Σ m·v² for the other schemes.
     pub kinetic: f64,
     /// Held by springs and tets, and by the links of the body's attachments.
     pub elastic: f64,
@@ -117,8 +117,9 @@ impl Deformable {
             let v = self.state.velocity(i);
             energies.kinetic += mass * (0.5 * v.length_squared() + lead * gravity.dot(v));
             if verlet {
-                // Leapfrog by another name: ½m·v⁻·v⁺ with v± = v ± ½h·a.
-                let force = self.solver.force(i) + gravity * mass;
+                // Leapfrog by another name: ½m·v⁻·v⁺ with v± = v ± ½h·a, a by all that damping is not.
+                let solver = &self.solver;
+                let force = solver.elastic_force(i) + solver.applied_force(i) + gravity * mass;
                 energies.kinetic -= 0.125 * (self.h * force).length_squared() / mass;
             }
             energies.gravity -= mass * gravity.dot(self.state.position(i) - self.datum);

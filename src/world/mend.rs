@@ -2,7 +2,7 @@
 
 use super::Deformable;
 use super::substep::{Group, Members, Settings};
-use super::work::node_work;
+use super::work::{HalfKick, node_work};
 use crate::coupling::observe::Answer;
 use crate::law::row::{pull_back, push_out};
 use crate::math::{DMat3, DVec3};
@@ -110,7 +110,7 @@ fn turn(members: &mut Members, nodes: &mut [RowNode], terms: &[Term], lost: DVec
         let body = &mut members[node.body as usize].1;
         if body.integrator().takes_late_impulses() {
             node.v += change;
-            let (mean, work) = node_work(members, node, impulse);
+            let (mean, work) = node_work(members, node, HalfKick::default(), impulse);
             work.push_out -= impulse.dot(mean);
         } else {
             let mean = body.state.velocity(node.node as usize) + 0.5 * change;

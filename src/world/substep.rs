@@ -7,6 +7,7 @@ use super::observer::{
 };
 use super::ties::{Attached, mirrored};
 use super::touch::PairSum;
+use super::work::HalfKick;
 use super::{Deformable, DeformableHandle, meet};
 use crate::body::SpringId;
 use crate::contact::candidates::Candidates;
@@ -41,6 +42,8 @@ pub(super) struct Group {
     pub rows: Rows,
     /// Where free motion took the nodes of rows, in the frames of their bodies \[m\].
     places: Vec<DVec3>,
+    /// The half kicks before, of the nodes of rows.
+    pub(super) kicks: Vec<HalfKick>,
 }
 
 /// Distance within which a node counts as near a sleeping body, in length units.
@@ -77,6 +80,7 @@ impl Group {
             told: Vec::new(),
             rows: Rows::default(),
             places: Vec::new(),
+            kicks: Vec::new(),
         }
     }
 
@@ -133,6 +137,7 @@ impl Group {
         self.rows.negligible = Negligible::of(h, s.length_unit);
         self.rows.push_out = s.push_out;
         self.find_rows(h, s);
+        self.note_kicks();
         for (_, body) in &mut self.members {
             body.predict(h);
             body.book_moved_out();

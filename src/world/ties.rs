@@ -216,7 +216,8 @@ impl Group {
             for term in self.rows.terms_of(tie.terms) {
                 let node = &self.rows.nodes[term.node as usize];
                 let impulse = tie.impulse * term.share;
-                let (mean, work) = node_work(&mut self.members, node, impulse);
+                let kick = self.kicks[term.node as usize];
+                let (mean, work) = node_work(&mut self.members, node, kick, impulse);
                 work.rigid += impulse.dot(mean);
                 stretching += mean * term.weight;
                 velocity += node.v * term.weight;

@@ -4,7 +4,9 @@ use super::Deformable;
 use super::observer::NodeImpulse;
 use super::substep::{Group, Members};
 use crate::body::NodeId;
-use crate::math::DVec3;
+use crate::math::{DVec3, Vector};
+use crate::solve::Integrator;
+use crate::solve::forces::three;
 use crate::solve::rows::{RowNode, Term};
 use crate::solve::work::Work;
 
@@ -18,7 +20,7 @@ impl Group {
             let ends = Ends::of(&self.rows.nodes, terms);
             let meeting = if row.between {
                 let levers = self.rows.levers_of(row).map(|l| (l, row.normal));
-                0.5 * ends.mean_velocity(&self.members, terms, levers)
+                0.5 * ends.mean_velocity(&self.members, &self.kicks, terms, levers)
             } else {
                 0.5 * (shadow.velocity_before(row.arm) + shadow.velocity_at(row.arm))
             };
@@ -26,7 +28,8 @@ impl Group {
             let along = row.normal * row.normal_impulse;
             for (term, part) in self.rows.parts(row, impulse) {
                 let node = &self.rows.nodes[term.node as usize];
-                let (mean, work) = node_work(&mut self.members, node, part);
+                let kick = self.kicks[term.node as usize];
+                let (mean, work) = node_work(&mut self.members, node, kick, part);
                 work.contact_normal -= term.share * along.dot(mean - meeting);
                 work.contact_friction -= term.share * row.friction_impulse.dot(mean - meeting);
                 work.contact_friction -= (part - impulse * term.share).dot(mean);
@@ -51,6 +54,13 @@ impl Group {
                 }
             }
         }
+    }
+
+    /// The half kicks before, of the nodes of rows.
+    pub(super) fn note_kicks(&mut self) {
+        let of = |n: &RowNode| HalfKick::of(&self.members[n.body as usize].1, n);
+        self.kicks.clear();
+        self.kicks.extend(self.rows.nodes.iter().map(of));
     }
 
     /// What each node got of each row.
@@ -132,12 +142,14 @@ impl<'a> Ends<'a> {
     fn mean_velocity(
         &self,
         members: &Members,
+        kicks: &[HalfKick],
         terms: &[Term],
         levers: Option<(&[DVec3], DVec3)>,
     ) -> DVec3 {
         let velocity = |(k, t): (usize, &Term)| {
             let node = self.node(t);
-            let v = mean(&members[node.body as usize].1, node);
+            let body = &members[node.body as usize].1;
+            let v = mean(body, node) + kicks[t.node as usize].between(body, node).all;
             let carried = levers.map_or(DVec3::ZERO, |(l, normal)| l[k] * normal.dot(v));
             (v * t.weight + carried) * self.sign(t)
         };
@@ -155,16 +167,57 @@ fn mean(body: &Deformable, node: &RowNode) -> DVec3 {
     }
 }
 
+/// What half a kick of velocity Verlet does to a node \[m/s\]; nothing by other schemes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct HalfKick {
+    all: DVec3,
+    /// By damping alone.
+    damped: DVec3,
+}
+
+impl HalfKick {
+    /// The last one, or the first of the substep under way.
+    fn of(body: &Deformable, node: &RowNode) -> Self {
+        if body.integrator() != Integrator::VelocityVerlet || node.inv_mass == 0.0 {
+            return Self::default();
+        }
+        let (solver, i) = (&body.solver, node.node as usize);
+        let by = 0.5 * body.h;
+        let damping = Vector::from_array(three(solver.forces.at(i).damping)).as_dvec3();
+        let force = solver.elastic_force(i) + solver.applied_force(i) + damping;
+        Self {
+            all: (force * node.inv_mass + body.gravity()) * by,
+            damped: damping * (node.inv_mass * by),
+        }
+    }
+
+    /// By how much the mean of the displacements before and after an impulse is faster than that of the velocities just
+    /// before and after it, in all and by damping \[m/s\]. The two differ where the half kicks before and after do.
+    fn between(self, body: &Deformable, node: &RowNode) -> Self {
+        let after = Self::of(body, node);
+        Self {
+            all: 0.5 * (after.all - self.all),
+            damped: 0.5 * (after.damped - self.damped),
+        }
+    }
+}
+
 /// The velocity whose product with an impulse on a node is its work, and where to book it. Whatever holds a pinned node
-/// takes up the work of the impulse.
+/// takes up the work of the impulse. `before` is the half kick before.
+///
+/// By velocity Verlet the balance is that of leapfrog, to which displacements count, and rows ask for displacements: by
+/// these their work is never negative. What damping differs in beside the impulse is the dampers' work.
 pub(super) fn node_work<'a>(
     members: &'a mut Members,
     node: &RowNode,
+    before: HalfKick,
     impulse: DVec3,
 ) -> (DVec3, &'a mut Work) {
     let body = &mut members[node.body as usize].1;
-    let mean = mean(body, node);
+    let between = before.between(body, node);
+    let mean = mean(body, node) + between.all;
     let work = &mut body.solver.work;
+    work.damping += impulse.dot(between.damped);
     if node.inv_mass == 0.0 {
         work.external -= impulse.dot(mean);
     }

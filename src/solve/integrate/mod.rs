@@ -87,6 +87,13 @@ impl Integrator {
         self == Self::SymplecticEuler
     }
 
+    /// Whether what rows ask for is to be approached by solving them again, with forces as their impulses change them. It
+    /// is where a body moves by the one velocity that damping meets, and then takes no more than rows asked for. By the
+    /// others a pressed node hops: damping takes from the hop, and rows would add it again without end.
+    pub(crate) fn settles_rows(self) -> bool {
+        self == Self::VelocityVerlet
+    }
+
     pub(super) fn predict<S: Scalar>(
         self,
         solver: &mut Solver<S>,
@@ -156,7 +163,20 @@ impl<S: Scalar> Sums<S> {
     /// Books the work of a node's forces over the displacement `along` \[m\], and the holder's where it is pinned.
     #[inline(always)]
     fn book(&mut self, p: &Particle<S>, f: &Force<S>, applied: [S; 3], along: [S; 3]) {
-        let damping = dot(three(f.damping), along);
+        self.book_apart(p, f, applied, along, along);
+    }
+
+    /// The same where damping works over another displacement, `damped`, than all else.
+    #[inline(always)]
+    fn book_apart(
+        &mut self,
+        p: &Particle<S>,
+        f: &Force<S>,
+        applied: [S; 3],
+        damped: [S; 3],
+        along: [S; 3],
+    ) {
+        let damping = dot(three(f.damping), damped);
         let outside = dot(applied, along);
         self.damping -= damping.f64();
         self.external += outside.f64();

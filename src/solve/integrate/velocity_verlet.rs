@@ -3,11 +3,16 @@
 //! Damping is c·v½ in both halves. The first half is implicit in v½ and solved by fixed-point passes; damping lagged by a whole
 //! step would drop the order to 1. Two passes keep order 2, but then forces that hold a damped body still meet other damping
 //! than they were found for, and do work though nothing moves.
+//!
+//! The work of each force is booked as if, of the two half kicks at a position, damping did its part next to the instant of
+//! the position, and all else before and after: then elastic forces work over the trapezoid of the displacements, by which
+//! ½m·v⁻·v⁺ + U is kept exactly where they are linear, whatever damping did.
 
 use super::{Sums, acceleration, applied_at, dot};
-use crate::body::state::State;
+use crate::body::state::{Particle, State};
 use crate::math::Scalar;
 use crate::solve::external::ForceField;
+use crate::solve::forces::Force;
 use crate::solve::solver::Solver;
 
 /// What the last pass may still change, in changes by the first \[1\]. Passes contract by ½hc, at most ¼ (see
@@ -36,12 +41,11 @@ pub(super) fn predict<S: Scalar>(
     let mut sums = Sums::new();
     for i in 0..state.particles.len() {
         let p = state.particles[i];
-        sums.book(
-            &p,
-            &solver.forces.at(i),
-            applied_at(&solver.applied, i),
-            quarter(half, solver.start[i].1, p.v),
-        );
+        let f = solver.forces.at(i);
+        let between = kicked(half, solver.start[i].1, &p, &f);
+        let damped = quarter(half, solver.start[i].1, between);
+        let moved = quarter(half, between, p.v);
+        sums.book_apart(&p, &f, applied_at(&solver.applied, i), damped, moved);
         sums.speed(p.v);
         state.displace(i, [h * p.v[0], h * p.v[1], h * p.v[2]]);
     }
@@ -60,12 +64,11 @@ pub(super) fn finish<S: Scalar>(
     half_kick(solver, state, half);
     let mut sums = Sums::new();
     for (i, p) in state.particles.iter().enumerate() {
-        sums.book(
-            p,
-            &solver.forces.at(i),
-            applied_at(&solver.applied, i),
-            quarter(half, solver.start[i].1, p.v),
-        );
+        let f = solver.forces.at(i);
+        let between = kicked(-half, p.v, p, &f);
+        let moved = quarter(half, solver.start[i].1, between);
+        let damped = quarter(half, between, p.v);
+        sums.book_apart(p, &f, applied_at(&solver.applied, i), damped, moved);
         sums.speed(p.v);
     }
     sums.flush(solver);
@@ -89,6 +92,13 @@ fn half_kick<S: Scalar>(solver: &Solver<S>, state: &mut State<S>, half: S) -> f6
         largest = largest.max(dot(change, change).f64());
     }
     largest.sqrt()
+}
+
+/// A velocity after what damping does to it in that time.
+#[inline(always)]
+fn kicked<S: Scalar>(time: S, v: [S; 3], p: &Particle<S>, f: &Force<S>) -> [S; 3] {
+    let by = time * p.inv_mass;
+    [0, 1, 2].map(|k| v[k] + by * f.damping[k])
 }
 
 /// Mean displacement over which half a kick works: ½h·(v⁻ + v⁺)/2.
