@@ -94,9 +94,13 @@ impl Lift {
 /// How much faster a surface that turns at `w` \[rad/s\] comes towards a point, `arm` m from its centre of mass and moving
 /// at `relative` m/s along it, than the point's velocity tells, in the mean over a substep of h \[s\]: Coriolis' and the
 /// centripetal acceleration, h·n·(ω×v + ½ω×(ω×r)). Without it a point that slides along a fan's blade sinks in by ωvh².
+///
+/// It is no more than the speed at which the point comes: one that goes on sliding comes just as fast, for the surface has
+/// turned since, and what left faster than it came would have got energy from nowhere.
 #[inline(always)]
 pub fn turning(w: DVec3, relative: DVec3, arm: DVec3, normal: DVec3, h: f64) -> f64 {
-    h * normal.dot(w.cross(relative + 0.5 * w.cross(arm)))
+    let faster = h * normal.dot(w.cross(relative + 0.5 * w.cross(arm)));
+    faster.min((-relative.dot(normal)).max(0.0))
 }
 
 /// The share of its drift that a sticking point is moved back by in a substep of h \[s\]: e-fold in 30 ms. Impulses hold it
@@ -154,13 +158,27 @@ mod tests {
         let along = DVec3::new(40.0, 8.0, -6.0);
         assert!(along.dot(n).abs() < 1e-12);
         let height = |h: f64| {
-            let v = w.cross(arm) + along + n * turning(w, along, arm, n, h);
+            let v = w.cross(arm) + along + n * turning(w, along - n, arm, n, h);
             let turned = crate::math::DQuat::from_scaled_axis(w * h);
             (arm + v * h - turned * arm).dot(turned * n)
         };
         let (one, half) = (height(1e-3), height(0.5e-3));
         assert!(one.abs() < 2e-6, "{one}");
         assert!((one / half - 8.0).abs() < 0.3, "{one} {half}");
+    }
+
+    #[test]
+    fn what_meets_a_turning_surface_leaves_it_no_faster_than_it_came() {
+        let (w, n, arm) = (
+            DVec3::new(0.0, 0.0, 500.0),
+            DVec3::Y,
+            DVec3::new(0.01, 0.0, 0.0),
+        );
+        let along = DVec3::new(20.0, 0.0, 0.0);
+        for came in [-3.0, 0.0, 0.2, 5.0, 1e3] {
+            let faster = turning(w, along - n * came, arm, n, 1e-3);
+            assert_eq!(faster, came.clamp(0.0, 10.0), "{came}");
+        }
     }
 
     #[test]

@@ -35,7 +35,16 @@ pub(crate) struct SpringTable<S> {
     pub limits: Vec<Limit<S>>,
     /// Whether any spring is damped.
     pub damped: bool,
+    /// The nodes that have two springs, with either of them: the joints of chains.
+    pub joints: Vec<Joint>,
     pub rows: Rows,
+}
+
+/// A node between two springs, and one of them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Joint {
+    pub node: u32,
+    pub spring: u32,
 }
 
 /// The same springs by rows for the kernels, which are for `f32`.
@@ -70,6 +79,7 @@ impl<S: Scalar> SpringTable<S> {
                 Vec::new()
             },
             damped: springs.iter().any(|s| s.damping > 0.0),
+            joints: joints(springs, state.particles.len()),
             rows: Rows::Later,
         };
         for (spring, _) in state.broken.iter().enumerate().filter(|(_, b)| **b) {
@@ -151,6 +161,17 @@ impl<S: Scalar> Limit<S> {
         break_force: S::INFINITY,
         break_length: S::INFINITY,
     };
+}
+
+fn joints(springs: &[Spring], nodes: usize) -> Vec<Joint> {
+    let mut counts = vec![0_u32; nodes];
+    for node in springs.iter().flat_map(|s| s.nodes) {
+        counts[node as usize] += 1;
+    }
+    let ends = (0..)
+        .zip(springs)
+        .flat_map(|(spring, s)| s.nodes.map(|node| Joint { node, spring }));
+    ends.filter(|end| counts[end.node as usize] == 2).collect()
 }
 
 fn real<S: Scalar>(x: Real) -> S {

@@ -7,13 +7,16 @@
 //! least bound has u as the nodes swing in the fastest mode (Perron and Frobenius; Collatz 1942), and the power method finds
 //! it: every look at the body multiplies each node's swing by its own rate. Whatever the swings are, the bound holds.
 //!
+//! Springs turn between two looks, and rates with them. Those of a mesh turn together; the two of a joint in a chain may come
+//! into line within a step, as a rope does that is whipped: they are taken to be in line.
+//!
 //! A stretched spring also resists sideways, with k(1 − L/l); that is added. Elements have a bound of their own,
 //! see [`super::fem`]; of a body with both the sum is taken.
 
 use super::integrate::Integrator;
 use super::kernel::{self, of_f32, of_f32_mut};
 use super::solver::Solver;
-use crate::body::state::State;
+use crate::body::state::{Particle, State};
 use crate::law::stable::{self, Resistance, sideways};
 use crate::math::Scalar;
 use crate::solve::forces::axis;
@@ -157,12 +160,7 @@ impl<S: Scalar> Solver<S> {
             let n = [n[0], n[1], n[2]];
             let sideways = sideways(n, *rest * inverse);
             for (node, own, far) in [(ia, a, b), (ib, b, a)] {
-                let per_swing = if own.inv_mass > S::ZERO {
-                    own.inv_mass / own.sound_swing()
-                } else {
-                    S::ZERO
-                };
-                let w = own.inv_mass + far.sound_swing() * per_swing;
+                let w = per_force(own, far);
                 let along = link.stiffness * w;
                 let [stiff, damp] = &mut sums[node];
                 stiff.add(n, along, along * sideways);
@@ -171,7 +169,29 @@ impl<S: Scalar> Solver<S> {
                 }
             }
         }
-        sums.iter().map(Rates::of).collect()
+        let mut rates: Vec<_> = sums.iter().map(Rates::of).collect();
+        self.straighten(state, &mut rates);
+        rates
+    }
+
+    /// The rates of the joints of chains as if their two springs were in line.
+    fn straighten(&self, state: &State<S>, rates: &mut [Rates<S>]) {
+        for joint in &self.table.joints {
+            rates[joint.node as usize] = Rates::default();
+        }
+        for joint in &self.table.joints {
+            let link = &self.table.links[joint.spring as usize];
+            let ends = [link.a, link.b].map(|n| &state.particles[n as usize]);
+            let [own, far] = if joint.node == link.a {
+                ends
+            } else {
+                [ends[1], ends[0]]
+            };
+            let w = per_force(own, far);
+            let sum = &mut rates[joint.node as usize].0;
+            sum[0] += link.stiffness * w;
+            sum[1] += link.damping * w;
+        }
     }
 
     /// The same by rows, where there are any; the bits are the same.
@@ -179,15 +199,19 @@ impl<S: Scalar> Solver<S> {
         let mut found = std::mem::take(&mut self.last_rates);
         // One more, as for forces.
         found.resize(state.particles.len() + 1, Rates::default());
-        if let (Some(solver), Some(state), Some(rates)) = (
+        let by_rows = match (
             of_f32_mut(self),
             of_f32(state),
             of_f32_mut::<_, Vec<Rates<f32>>>(&mut found),
-        ) && kernel::rates(solver, state, rates)
-        {
-            return found;
+        ) {
+            (Some(solver), Some(state), Some(rates)) => kernel::rates(solver, state, rates),
+            _ => false,
+        };
+        if !by_rows {
+            return self.rates(state);
         }
-        self.rates(state)
+        self.straighten(state, &mut found);
+        found
     }
 
     /// The longest stable substep, its spring not named yet, and the worst rates of any node. Of a body of springs and elements
@@ -268,6 +292,14 @@ impl<S: Scalar> Solver<S> {
         }
         most.1
     }
+}
+
+/// 1/m_a·(1 + u_b/u_a) for the two ends of a spring \[1/kg\]; 0 for a pinned one.
+fn per_force<S: Scalar>(own: &Particle<S>, far: &Particle<S>) -> S {
+    if own.inv_mass == S::ZERO {
+        return S::ZERO;
+    }
+    own.inv_mass + far.sound_swing() * (own.inv_mass / own.sound_swing())
 }
 
 #[cfg(test)]

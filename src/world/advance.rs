@@ -70,25 +70,32 @@ impl Advance {
         while left > 0.0 {
             // The stable substep changes as bodies crumple, so a long rigid step is looked at anew now and then, unless
             // what is left is a matter of a few substeps.
-            let needed = group_substeps(group, report, left, self.frame);
+            let turns = (left / group.longest_turn(self.dt)).ceil() as usize;
+            let needed = group_substeps(group, report, left, self.frame).max(turns);
             let reviews = (left / self.review_interval - 1e-6).ceil() as usize;
             let n = needed.div_ceil(reviews.min(needed / 8).max(1));
-            report.add_group(group, n);
             let h = left / needed as f64;
             match last {
                 None => group.synchronise(h),
                 Some(last) => group.rows.change_substep(h / last),
             }
             last = Some(h);
-            for _ in 0..n {
+            let mut made = 0;
+            while made < n && (made == 0 || h <= 2.0 * group.longest_turn(self.dt)) {
                 time += h;
                 parity = !parity;
+                made += 1;
                 if !group.substep(h, time, parity, &self.settings, observer) {
                     freeze(group, report);
                     return;
                 }
             }
-            left = if n < needed { left - n as f64 * h } else { 0.0 };
+            report.add_group(group, made);
+            left = if made < needed {
+                left - made as f64 * h
+            } else {
+                0.0
+            };
         }
         group.settle();
         // What rows did in the last substep, no integration pass has seen yet.
@@ -102,10 +109,23 @@ impl Advance {
 /// A rigid step has hardly fewer substeps.
 const FEW_SUBSTEPS: usize = 4;
 
+/// By how much a rigid body may turn in a substep \[rad\]: what it touches moves straight on in that. One that is struck may
+/// turn twice as far until substeps are shortened for it.
+const TURN: f64 = 0.25;
+
+/// The most substeps of a rigid step that turning bodies ask for: some are so small that none is short enough.
+const MOST: f64 = 256.0;
+
 /// A tet takes about as long as so many springs.
 const TET: usize = 15;
 
 impl Group {
+    /// The longest substep in which nothing that it may touch turns too far, in a rigid step of `dt` s \[s\].
+    fn longest_turn(&self, dt: f64) -> f64 {
+        let spins = self.shadows.iter().map(|shadow| shadow.w.length());
+        (TURN / spins.fold(0.0, f64::max)).max(dt / MOST)
+    }
+
     /// How many springs take as long as a substep of it.
     fn springs(&self) -> usize {
         let of = |body: &Deformable| {

@@ -2,7 +2,7 @@
 
 use super::Deformable;
 use super::substep::{Group, Members, Settings};
-use super::work::{HalfKick, node_work};
+use super::work::node_work;
 use crate::coupling::observe::Answer;
 use crate::law::row::{pull_back, push_out};
 use crate::math::{DMat3, DVec3};
@@ -15,7 +15,9 @@ impl Group {
     /// Mends depth, creep of what sticks, and errors of ties at position level, on the nodes alone, which gives nothing any
     /// velocity. Ties are mended in full, and at a limited rate only while something moved from outside is on its way
     /// back. What that changes in stored energy is booked; the angular momentum that a moved node loses goes to the body
-    /// it is moved out of, if nothing but contacts holds that, and between deformables to the nodes of the row.
+    /// it is moved out of, if nothing but contacts holds that, and between deformables to the nodes of the row. A body
+    /// lighter than the node takes so much less of it: in truth it would be the one that is moved, and one of a gram
+    /// would be set spinning by what a node of a kilogram has.
     pub fn push_out(&mut self, h: f64, s: &Settings) {
         let Self {
             rows,
@@ -25,8 +27,8 @@ impl Group {
             attachments,
             ..
         } = self;
-        let mut mend = |members: &mut Members, rows: &Rows, what: (Terms, u32), by: DVec3| {
-            let (terms, shadow) = what;
+        let mut mend = |members: &mut Members, rows: &Rows, what: (Terms, u32, f64), by: DVec3| {
+            let (terms, shadow, taken) = what;
             let lost = displace(members, &rows.nodes, rows.terms_of(terms), by);
             if (shadow as usize)
                 .checked_sub(1)
@@ -34,7 +36,7 @@ impl Group {
             {
                 let alone = !rows.is_composite(shadow);
                 let shadow = &mut shadows[shadow as usize];
-                shadow.late_torque += lost;
+                shadow.late_torque += lost * taken;
                 // What holds nodes takes it with them in the next substep: a light body would turn by it alone, and its nodes be
                 // moved all the farther.
                 if alone {
@@ -55,7 +57,8 @@ impl Group {
             if by == DVec3::ZERO {
                 continue;
             }
-            let lost = mend(members, rows, (row.terms, row.shadow), by);
+            let taken = row.response.lightness(row.normal);
+            let lost = mend(members, rows, (row.terms, row.shadow, taken), by);
             if row.between {
                 let terms = &rows.terms[row.terms.range()];
                 turn(members, &mut rows.nodes, terms, lost, h);
@@ -67,7 +70,7 @@ impl Group {
                 let loose = attachments[tie.attachment as usize].bond.loose;
                 let most = if loose { s.push_out * h } else { length };
                 let by = -towards(tie.error, length.min(most));
-                mend(members, rows, (tie.terms, tie.shadow), by);
+                mend(members, rows, (tie.terms, tie.shadow, 1.0), by);
             }
         }
     }
@@ -110,7 +113,7 @@ fn turn(members: &mut Members, nodes: &mut [RowNode], terms: &[Term], lost: DVec
         let body = &mut members[node.body as usize].1;
         if body.integrator().takes_late_impulses() {
             node.v += change;
-            let (mean, work) = node_work(members, node, HalfKick::default(), impulse);
+            let (mean, work) = node_work(members, node, None, impulse);
             work.push_out -= impulse.dot(mean);
         } else {
             let mean = body.state.velocity(node.node as usize) + 0.5 * change;

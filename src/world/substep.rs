@@ -43,7 +43,7 @@ pub(super) struct Group {
     /// Where free motion took the nodes of rows, in the frames of their bodies \[m\].
     places: Vec<DVec3>,
     /// The half kicks before, of the nodes of rows.
-    pub(super) kicks: Vec<HalfKick>,
+    pub(super) kicks: Vec<Option<HalfKick>>,
 }
 
 /// Distance within which a node counts as near a sleeping body, in length units.

@@ -142,14 +142,14 @@ impl<'a> Ends<'a> {
     fn mean_velocity(
         &self,
         members: &Members,
-        kicks: &[HalfKick],
+        kicks: &[Option<HalfKick>],
         terms: &[Term],
         levers: Option<(&[DVec3], DVec3)>,
     ) -> DVec3 {
         let velocity = |(k, t): (usize, &Term)| {
             let node = self.node(t);
             let body = &members[node.body as usize].1;
-            let v = mean(body, node) + kicks[t.node as usize].between(body, node).all;
+            let v = mean(body, node) + HalfKick::between(kicks[t.node as usize], body, node).all;
             let carried = levers.map_or(DVec3::ZERO, |(l, normal)| l[k] * normal.dot(v));
             (v * t.weight + carried) * self.sign(t)
         };
@@ -167,7 +167,7 @@ fn mean(body: &Deformable, node: &RowNode) -> DVec3 {
     }
 }
 
-/// What half a kick of velocity Verlet does to a node \[m/s\]; nothing by other schemes.
+/// What half a kick of velocity Verlet does to a node \[m/s\].
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct HalfKick {
     all: DVec3,
@@ -176,29 +176,31 @@ pub(super) struct HalfKick {
 }
 
 impl HalfKick {
-    /// The last one, or the first of the substep under way.
-    fn of(body: &Deformable, node: &RowNode) -> Self {
-        if body.integrator() != Integrator::VelocityVerlet || node.inv_mass == 0.0 {
-            return Self::default();
+    /// The last one, or the first of the substep under way. There is none by other schemes, of what is pinned, and before
+    /// the first substep.
+    fn of(body: &Deformable, node: &RowNode) -> Option<Self> {
+        let verlet = body.integrator() == Integrator::VelocityVerlet;
+        if !verlet || node.inv_mass == 0.0 || body.solver.last_substep.is_none() {
+            return None;
         }
         let (solver, i) = (&body.solver, node.node as usize);
         let by = 0.5 * body.h;
         let damping = Vector::from_array(three(solver.forces.at(i).damping)).as_dvec3();
         let force = solver.elastic_force(i) + solver.applied_force(i) + damping;
-        Self {
+        Some(Self {
             all: (force * node.inv_mass + body.gravity()) * by,
             damped: damping * (node.inv_mass * by),
-        }
+        })
     }
 
     /// By how much the mean of the displacements before and after an impulse is faster than that of the velocities just
     /// before and after it, in all and by damping \[m/s\]. The two differ where the half kicks before and after do.
-    fn between(self, body: &Deformable, node: &RowNode) -> Self {
-        let after = Self::of(body, node);
-        Self {
-            all: 0.5 * (after.all - self.all),
-            damped: 0.5 * (after.damped - self.damped),
-        }
+    fn between(before: Option<Self>, body: &Deformable, node: &RowNode) -> Self {
+        let kicks = before.zip(Self::of(body, node));
+        kicks.map_or(Self::default(), |(before, after)| Self {
+            all: 0.5 * (after.all - before.all),
+            damped: 0.5 * (after.damped - before.damped),
+        })
     }
 }
 
@@ -210,11 +212,11 @@ impl HalfKick {
 pub(super) fn node_work<'a>(
     members: &'a mut Members,
     node: &RowNode,
-    before: HalfKick,
+    before: Option<HalfKick>,
     impulse: DVec3,
 ) -> (DVec3, &'a mut Work) {
     let body = &mut members[node.body as usize].1;
-    let between = before.between(body, node);
+    let between = HalfKick::between(before, body, node);
     let mean = mean(body, node) + between.all;
     let work = &mut body.solver.work;
     work.damping += impulse.dot(between.damped);

@@ -42,3 +42,31 @@ pub fn close(what: &str, measured: f64, expected: f64, tolerance: f64) {
         "{what}: measured {measured}, expected {expected} to {tolerance}, off by {error:.3e}"
     );
 }
+
+/// A generator of numbers in [0, 1), the same in every run (Steele, Lea and Flood 2014: SplitMix64).
+pub struct Random(pub u64);
+
+impl Random {
+    pub fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    pub fn within(&mut self, lo: f64, hi: f64) -> f64 {
+        lo + (hi - lo) * self.unit()
+    }
+
+    /// A direction, all alike.
+    pub fn direction(&mut self) -> Vector {
+        loop {
+            let [x, y, z] = [(); 3].map(|()| self.within(-1.0, 1.0) as f32);
+            let v = Vector::new(x, y, z);
+            if (0.1..1.0).contains(&v.length()) {
+                return v.normalize();
+            }
+        }
+    }
+}

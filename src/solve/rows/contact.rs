@@ -47,6 +47,16 @@ impl Response {
         direction.dot(self.rigid * direction)
     }
 
+    /// How heavy the shadow is along `direction`, in masses of the point; 1 if it is the heavier one \[1\].
+    pub fn lightness(&self, direction: DVec3) -> f64 {
+        let rigid = self.rigid_along(direction);
+        if rigid > self.own {
+            self.own / rigid
+        } else {
+            1.0
+        }
+    }
+
     /// Effective mass along `direction`, which may be of any length \[kg\].
     #[inline(always)]
     pub fn mass_along(&self, direction: DVec3) -> f64 {

@@ -11,9 +11,11 @@ mod ridges;
 mod seams;
 mod shapes;
 mod slides;
+mod spinning;
 mod surface;
 mod yielding;
 
+pub use crate::support::Random;
 use crumple::prelude::*;
 use crumple::rapier3d::parry::utils::Array2;
 use crumple::rapier3d::prelude::*;
@@ -100,21 +102,4 @@ pub fn voxel_floor(from: [i32; 2], to: [i32; 2], size: f32) -> ColliderBuilder {
         }
     }
     ColliderBuilder::voxels(Vector::splat(size), &cells)
-}
-
-/// A generator of numbers in [0, 1), the same in every run (Steele, Lea and Flood 2014: SplitMix64).
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    pub fn within(&mut self, lo: f64, hi: f64) -> f64 {
-        lo + (hi - lo) * self.unit()
-    }
 }
