@@ -120,6 +120,20 @@ impl Deformable {
         (self.state.local(node) - start) / h
     }
 
+    /// The square of the speed by which its fastest node has moved in the last substep \[m²/s²\]. Where impulses are taken at
+    /// the start of a substep, what is pressed has at its end the velocity ½·h·F/m that the next impulse takes away: a body
+    /// at rest moves by nothing and has that.
+    pub(super) fn last_motion_squared(&self) -> f64 {
+        let known = self.start.particles.len() == self.state.particles.len();
+        if self.integrator().takes_late_impulses() || !known || self.h <= 0.0 {
+            return self.max_speed_squared().into();
+        }
+        let nodes = 0..self.state.particles.len();
+        nodes
+            .map(|node| self.free_velocity(node, self.h).length_squared())
+            .fold(0.0, f64::max)
+    }
+
     /// Gives a node the velocity change of its rows. Schemes that must move anew start over at the first.
     pub(super) fn take_impulse(&mut self, node: usize, change: DVec3, h: f64) {
         if self.integrator().takes_late_impulses() {

@@ -109,7 +109,7 @@ impl DeformableWorld {
     pub(super) fn fall_asleep(&mut self, parts: &RapierParts, dt: f64) {
         let limit = self.params.sleep_speed * parts.length_unit();
         for (_, body) in self.bodies.iter_mut().filter(|(_, b)| b.is_active()) {
-            let slow = f64::from(body.max_speed_squared()) < limit * limit;
+            let slow = body.last_motion_squared() < limit * limit;
             body.sleep.slow_for = if slow { body.sleep.slow_for + dt } else { 0.0 };
         }
         let drowsy = std::mem::take(&mut self.drowsy);
