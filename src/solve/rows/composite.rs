@@ -10,48 +10,49 @@
 //! answers everything with C, as the composite does. A node follows when it is next asked for, and has the shadow answer
 //! what was done to the node itself: either is exact and costs the same however many nodes there are.
 //!
-//! Only ties of one node that has no other tie are taken in. Points of several nodes are solved one by one.
+//! Only ties of one node that has no other tie are taken in, and points that give way to nothing, see [`super::supports`].
+//! Other points of several nodes are solved one by one.
 
 use super::Tie;
 use super::pass::Pass;
 use super::points::Points;
 use super::settled::Felt;
-use crate::math::na::SMatrix;
+use super::supports::{Inertia, Mat6, bearing, response};
 use crate::math::{DMat3, DVec3};
 use crate::solve::shadow::Shadow;
 
-const NONE: u32 = u32::MAX;
-
-type Mat6 = SMatrix<f64, 6, 6>;
+pub(super) const NONE: u32 = u32::MAX;
 
 /// A shadow and the nodes that are tied to it and to nothing else.
 #[derive(Clone, Copy, Debug)]
-struct Composite {
-    shadow: u32,
+pub(super) struct Composite {
+    pub shadow: u32,
     /// Its first tie.
-    first: u32,
+    pub first: u32,
     /// How the shadow answers alone.
     alone: (DMat3, Option<DMat3>, DMat3),
-    /// Σ m \[kg\], Σ m·r \[kg·m\] and Σ m·(r²·1 − r·rᵀ) \[kg·m²\].
-    mass: f64,
-    moment: DVec3,
-    inertia: DMat3,
+    /// What its nodes feel alone.
+    nodes: Inertia,
+    /// Its supports, as if of 1 kg each.
+    pub supports: Inertia,
+    /// How these bear it.
+    pub bearing: Option<Mat6>,
 }
 
 /// The composites of a substep.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Composites {
-    list: Vec<Composite>,
+    pub list: Vec<Composite>,
     /// Per shadow, its composite.
     of_shadow: Vec<u32>,
     /// Per tie, its composite.
     of_tie: Vec<u32>,
     /// Per tie, the next one of its composite.
-    next: Vec<u32>,
-    /// Per tie, what its point feels alone \[kg\].
+    pub next: Vec<u32>,
+    /// Per tie, what its point feels alone \[kg\]; 0 for a support, which nothing is done to.
     masses: Vec<f64>,
-    /// Per tie, the velocities of the shadow that its node has followed.
-    followed: Vec<(DVec3, DVec3)>,
+    /// Per tie, the velocities of the shadow that its node has followed, or its support has borne.
+    pub followed: Vec<(DVec3, DVec3)>,
     /// Per node, how many ties it has.
     uses: Vec<u8>,
 }
@@ -85,11 +86,13 @@ impl Composites {
         }
         for (i, tie) in ties.iter_mut().enumerate().rev() {
             let own = points.response(tie.terms) + tie.softness;
-            let [only] = points.terms_of(tie.terms) else {
-                continue;
+            let supports = own <= 0.0;
+            let alone = || match points.terms_of(tie.terms) {
+                [only] => self.uses[only.node as usize] == 1,
+                _ => false,
             };
             let shadow = &shadows[tie.shadow as usize];
-            if self.uses[only.node as usize] > 1 || own <= 0.0 || !shadow.gives_way() {
+            if !shadow.gives_way() || !(supports || alone()) {
                 continue;
             }
             let known = &mut self.of_shadow[tie.shadow as usize];
@@ -101,13 +104,22 @@ impl Composites {
             tie.impulse = DVec3::ZERO;
             self.of_tie[i] = *known;
             self.next[i] = std::mem::replace(&mut composite.first, i as u32);
-            self.masses[i] = 1.0 / own;
             self.followed[i] = (shadow.v, shadow.w);
-            composite.add(1.0 / own, tie.arm);
+            if supports {
+                composite.supports.add(1.0, tie.arm);
+            } else {
+                self.masses[i] = 1.0 / own;
+                composite.nodes.add(1.0 / own, tie.arm);
+            }
         }
-        for composite in &self.list {
+        for composite in &mut self.list {
             composite.answer_as_one(&mut shadows[composite.shadow as usize]);
         }
+    }
+
+    /// Whether a tie of a composite gives way to nothing.
+    pub fn is_support(&self, tie: usize) -> bool {
+        self.masses[tie] == 0.0
     }
 
     /// Shadows answer alone again.
@@ -153,39 +165,27 @@ impl Composite {
             shadow: number,
             first: NONE,
             alone: (shadow.inv_mass, shadow.cross, shadow.inv_inertia),
-            mass: 0.0,
-            moment: DVec3::ZERO,
-            inertia: DMat3::ZERO,
+            nodes: Inertia::NONE,
+            supports: Inertia::NONE,
+            bearing: None,
         }
     }
 
-    /// Adds a point of `m` kg at `r`.
-    fn add(&mut self, m: f64, r: DVec3) {
-        self.mass += m;
-        self.moment += r * m;
-        let outer = DMat3::from_cols(r * r.x, r * r.y, r * r.z);
-        self.inertia += (DMat3::from_diagonal(DVec3::splat(r.length_squared())) - outer) * m;
-    }
-
-    /// Puts C in the place of B.
-    fn answer_as_one(&self, shadow: &mut Shadow) {
-        let (inv_mass, cross, inv_inertia) = self.alone;
-        let cross = cross.unwrap_or(DMat3::ZERO);
-        let b = from_blocks(inv_mass, cross, cross.transpose(), inv_inertia);
-        let s = self.moment;
-        let turn = DMat3::from_cols(
-            DVec3::new(0.0, s.z, -s.y),
-            DVec3::new(-s.z, 0.0, s.x),
-            DVec3::new(s.y, -s.x, 0.0),
-        );
-        let mass = DMat3::from_diagonal(DVec3::splat(self.mass));
-        let g = from_blocks(mass, -turn, turn, self.inertia);
-        // B and G have no negative eigenvalues, so there is a solution unless a number is not finite, which is seen after the
-        // substep.
-        let c = (Mat6::identity() + b * g).lu().solve(&b).unwrap_or(b);
-        shadow.inv_mass = block(&c, 0, 0);
-        shadow.cross = Some(block(&c, 0, 3));
-        shadow.inv_inertia = block(&c, 3, 3);
+    /// Puts C in the place of B, and finds how supports bear what answers so.
+    fn answer_as_one(&mut self, shadow: &mut Shadow) {
+        if self.nodes.mass != 0.0 {
+            let b = response(shadow);
+            let g = self.nodes.matrix();
+            // B and G have no negative eigenvalues, so there is a solution unless a number is not finite, which is seen after
+            // the substep.
+            let c = (Mat6::identity() + b * g).lu().solve(&b).unwrap_or(b);
+            shadow.inv_mass = block(&c, 0, 0);
+            shadow.cross = Some(block(&c, 0, 3));
+            shadow.inv_inertia = block(&c, 3, 3);
+        }
+        if self.supports.mass > 0.0 {
+            self.bearing = bearing(&response(shadow), &self.supports);
+        }
     }
 }
 
@@ -193,6 +193,9 @@ impl Pass<'_> {
     /// Has the composite answer what was done to the node of a tie, and the node follow what was done to the shadow; whether
     /// anybody feels it.
     pub(super) fn follow(&mut self, i: usize) -> bool {
+        if self.composites.is_support(i) {
+            return self.bear_again(i);
+        }
         let push = self.push_of(i);
         let Tie { shadow, arm, .. } = self.ties[i];
         self.shadows[shadow as usize].push(arm, push);
@@ -212,7 +215,7 @@ impl Pass<'_> {
     }
 
     /// The same for all ties of all composites: what was done to a node does not depend on how its shadow moves since, so all
-    /// of it is answered at once, and then all nodes follow.
+    /// of it is answered at once, then borne by what supports there are, and then all nodes follow.
     pub(super) fn follow_all(&mut self) {
         for c in 0..self.composites.list.len() {
             let Composite { shadow, first, .. } = self.composites.list[c];
@@ -225,6 +228,7 @@ impl Pass<'_> {
                 i = self.composites.next[i] as usize;
             }
             self.shadows[shadow as usize].take(impulse, torque);
+            self.bear(c);
             let mut i = first as usize;
             while i != NONE as usize {
                 self.let_follow(i);
@@ -264,7 +268,7 @@ impl Pass<'_> {
     }
 }
 
-fn from_blocks(a: DMat3, b: DMat3, c: DMat3, d: DMat3) -> Mat6 {
+pub(super) fn from_blocks(a: DMat3, b: DMat3, c: DMat3, d: DMat3) -> Mat6 {
     Mat6::from_fn(|i, k| {
         let block = [[a, b], [c, d]][i / 3][k / 3];
         block.col(k % 3)[i % 3]

@@ -19,6 +19,7 @@ mod points;
 mod rigid;
 mod settled;
 mod squeeze;
+mod supports;
 mod tie;
 mod warm;
 mod worklist;

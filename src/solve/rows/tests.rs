@@ -1,5 +1,6 @@
 mod composite;
 mod energy;
+mod supports;
 
 use super::*;
 use crate::law::row::Lift;

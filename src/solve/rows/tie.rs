@@ -3,7 +3,7 @@
 use super::Terms;
 use super::pass::Pass;
 use super::settled::Give;
-use crate::math::{DMat3, DVec3, na};
+use crate::math::{DMat3, DVec3};
 
 /// A point held at a point of a shadow, or of another deformable.
 #[derive(Clone, Copy, Debug)]
@@ -47,7 +47,8 @@ impl Pass<'_> {
             tie.mass = match self.composites.mass(i, rigid) {
                 Some(mass) => mass,
                 None if own > 0.0 => k.inverse(),
-                None => pseudo_inverse(k),
+                // Neither side gives way.
+                None => DMat3::ZERO,
             };
         }
     }
@@ -102,23 +103,4 @@ impl Pass<'_> {
         let anchor = v + w.cross(tie.arm);
         self.points.velocity(tie.terms) - (anchor + tie.bias - tie.impulse * tie.softness)
     }
-}
-
-/// The inverse of a symmetric matrix in the directions in which anything gives way: a body with locked axes and the arm of
-/// a turning one leave some in which nothing does, and no impulse there changes a velocity.
-fn pseudo_inverse(k: DMat3) -> DMat3 {
-    let [x, y, z] = k.to_cols_array_2d();
-    let k = na::Matrix3::from_columns(&[x.into(), y.into(), z.into()]);
-    let Some(eigen) = na::SymmetricEigen::try_new(k, f64::EPSILON, 64) else {
-        return DMat3::ZERO;
-    };
-    let least = 1e-9 * eigen.eigenvalues.max();
-    (0..3)
-        .filter(|&i| eigen.eigenvalues[i] > least)
-        .map(|i| {
-            let axis = DVec3::from_array(eigen.eigenvectors.column(i).into_owned().into());
-            DMat3::from_cols(axis * axis.x, axis * axis.y, axis * axis.z)
-                * (1.0 / eigen.eigenvalues[i])
-        })
-        .fold(DMat3::ZERO, |sum, term| sum + term)
 }

@@ -8,6 +8,7 @@ mod impact;
 mod rest;
 mod soft;
 mod stick;
+mod supports;
 
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
