@@ -10,6 +10,9 @@ use crate::math::{DMat3, DVec3};
 pub struct Response {
     /// Smallest relative normal velocity that is allowed \[m/s\].
     pub allowed: f64,
+    /// What the mean velocity of a turning shadow's point differs from that at the start of the substep, along the surface
+    /// \[m/s\].
+    pub chord: DVec3,
     /// Velocity of the point by its impulse \[1/kg\].
     pub own: f64,
     /// Velocity of the shadow there, against the impulse, or what levers add to that of the point \[1/kg\].
@@ -25,6 +28,7 @@ impl Default for Response {
     fn default() -> Self {
         Self {
             allowed: 0.0,
+            chord: DVec3::ZERO,
             own: 0.0,
             // A matrix's own default is the identity.
             rigid: DMat3::ZERO,
@@ -147,10 +151,16 @@ impl Row {
         relative.dot(self.normal) + self.softness * self.normal_impulse - self.response.allowed
     }
 
-    /// The part of a relative velocity along the surface \[m/s\].
+    /// The part of a relative velocity along the surface by which the point slips \[m/s\].
     #[inline(always)]
     pub(super) fn slip(&self, relative: DVec3) -> DVec3 {
-        relative - self.normal * relative.dot(self.normal)
+        self.along(relative) - self.response.chord
+    }
+
+    /// The part of a vector along the surface.
+    #[inline(always)]
+    pub(super) fn along(&self, vector: DVec3) -> DVec3 {
+        vector - self.normal * vector.dot(self.normal)
     }
 
     /// Whether friction has anything to say.

@@ -9,7 +9,7 @@ use super::settled::{Give, Settled};
 use super::squeeze::{Held, Squeeze};
 use super::worklist::Worklist;
 use super::{JointRow, RigidRow, Row, Rows, Tie};
-use crate::law::row::{allowed_velocity, turning};
+use crate::law::row::{allowed_velocity, chord, turning};
 use crate::math::{DMat3, DVec3};
 use crate::solve::shadow::Shadow;
 
@@ -158,9 +158,11 @@ impl Pass<'_> {
         for row in &mut *self.contacts {
             let shadow = &self.shadows[row.shadow as usize];
             let mut allowed = allowed_velocity(row.depth, self.h, row.softness);
+            let mut along = DVec3::ZERO;
             if shadow.w != DVec3::ZERO {
                 let relative = self.points.velocity_of(row) - shadow.velocity_at(row.arm);
                 allowed += turning(shadow.w, relative, row.arm, row.normal, self.h);
+                along = row.along(chord(shadow.w, row.arm, self.h));
             }
             let own = self.points.response(row.terms);
             let rigid = if let Some(levers) = points::levers(self.points.levers, row) {
@@ -172,6 +174,7 @@ impl Pass<'_> {
             };
             row.response = Response {
                 allowed,
+                chord: along,
                 own,
                 rigid,
                 mass: 0.0,
