@@ -3,8 +3,9 @@
 //! The place where a signed distance is least along a segment is no help there: under a box that lies flush it is anywhere,
 //! and jumps. The crossing stays where it is, and has a normal perpendicular to both edges.
 
+use super::edges::corner;
 use super::rim::Rim;
-use super::{Core, Solid};
+use super::{Core, Solid, primitive};
 use crate::contact::closest::between_segments;
 use crate::math::DVec3;
 
@@ -23,6 +24,9 @@ pub struct Crossing {
 
 /// How far a normal may lie outside the faces at an edge: a segment that rests on one of them rocks a little.
 const LEAN: f64 = 0.05;
+
+/// From here on corners are numbered as edges are.
+const CORNERS: u32 = 1 << 31;
 
 impl Solid {
     /// Calls `found` for the crossings of the segment `a`–`b` \[m\] with the edges of a convex solid, in the order of the
@@ -78,6 +82,45 @@ impl Solid {
             | Core::HalfSpace(_)
             | Core::Compound(_)
             | Core::Voxels(_) => {}
+        }
+    }
+
+    /// Calls `found` for the crossings of the segment `a`–`b` \[m\] with the corners of a grown polyhedron, which are balls as
+    /// a skin over it makes them too, in their order; what is more than `within` m away may be left out.
+    pub fn for_each_corner(
+        &self,
+        a: DVec3,
+        b: DVec3,
+        within: f64,
+        found: &mut dyn FnMut(Crossing),
+    ) {
+        let margin = within + self.radius;
+        let mut edge = CORNERS;
+        let mut try_out = |corner: DVec3| {
+            edge += 1;
+            let t = primitive::along(corner, a, b);
+            let way = a.lerp(b, t) - corner;
+            let away = way.length();
+            if !(t > 0.0 && t < 1.0 && away > 0.0 && away < margin) {
+                return;
+            }
+            // Elsewhere an edge or a face is nearer.
+            let (distance, normal) = self.signed_distance(corner + way);
+            let over = distance + self.radius;
+            let foot = way - normal * over;
+            if over > 0.0 && foot.length() <= LEAN * away {
+                found(Crossing {
+                    edge,
+                    t,
+                    normal: way / away,
+                    distance: away - self.radius,
+                });
+            }
+        };
+        match &self.core {
+            Core::Cuboid(half) => (0..8).for_each(|i| try_out(corner(i) * *half)),
+            Core::Hull(hull) => hull.vertices().iter().for_each(|&p| try_out(p)),
+            _ => {}
         }
     }
 
@@ -251,6 +294,37 @@ mod tests {
         assert_eq!(near.len(), 1, "{found:?}");
         assert!((near[0].distance - 0.01).abs() < 1e-7 && (near[0].t - 0.5).abs() < 1e-6);
         assert!((near[0].normal - DVec3::new(1.0, 1.0, 0.0).normalize()).length() < 1e-6);
+    }
+
+    /// Past the ends of edges it is the corner that a grown box or a skin touches with.
+    #[test]
+    fn a_segment_past_a_round_corner_meets_it_where_no_edge_is_nearest() {
+        let outward = DVec3::ONE.normalize();
+        let along = DVec3::new(1.0, -1.0, 0.0).normalize();
+        let middle = DVec3::splat(0.1) + outward * 0.03;
+        let (a, b) = (middle - along * 0.05, middle + along * 0.15);
+        let sharp = SharedShape::cuboid(0.1, 0.1, 0.1);
+        let corners: Vec<_> = sharp.as_cuboid().unwrap().to_trimesh().0;
+        let hull = SharedShape::round_convex_hull(&corners, 0.02).unwrap();
+        let round = SharedShape::round_cuboid(0.1, 0.1, 0.1, 0.02);
+        for (shape, radius) in [(sharp, 0.0), (round, 0.02), (hull, 0.02)] {
+            assert!(crossings(&shape, a.into(), b.into()).is_empty());
+            let solid = Solid::of(&*shape).unwrap();
+            let mut found = Vec::new();
+            solid.for_each_corner(a, b, 0.05, &mut |c| found.push(c));
+            let [c] = found[..] else {
+                panic!("{found:?}");
+            };
+            assert!((c.t - 0.25).abs() < 1e-6 && (c.distance - 0.03 + radius).abs() < 1e-6);
+            assert!((c.normal - outward).length() < 1e-5, "{c:?}");
+            // A centimetre beside, over a face and over an edge.
+            for way in [DVec3::X, DVec3::new(1.0, 1.0, 0.0).normalize()] {
+                let shift = DVec3::new(0.1, 0.1, 0.09) + way * 0.03 - middle;
+                let (a, b) = (a + shift, b + shift);
+                solid.for_each_corner(a, b, 0.05, &mut |c| found.push(c));
+            }
+            assert_eq!(found.len(), 1, "{found:?}");
+        }
     }
 
     /// The bits are those of the boxes around the edges, tested one by one.

@@ -261,7 +261,7 @@ impl Making<'_, '_> {
         before.is_some_and(|before| depth <= before + self.site.reach.touching)
     }
 
-    /// An edge against the part: where it crosses the part's edges, and where it comes nearest to a round side.
+    /// An edge against the part: where it crosses the part's edges and round corners, and where it comes nearest to a round side.
     /// Returns how far it is from any of them, or less \[m\].
     fn edge(&mut self, part: &Convex, [p, e]: [u32; 2], bound: f64) -> f64 {
         let nodes = self.site.side.topology.edges[e as usize];
@@ -287,7 +287,7 @@ impl Making<'_, '_> {
         };
         let before = self.site.rows.contacts.len();
         let end = BORDER * self.site.reach.touching / a.distance(b);
-        let mut cross = |c: Crossing| {
+        let cross = |making: &mut Self, c: Crossing| {
             // So near an end it is the node's business, unless the edge goes in from there: then the node, which may have slid
             // over the part's edge to the next face, does not hold it.
             let from = if c.t < 0.5 { [a, b] } else { [b, a] };
@@ -296,29 +296,40 @@ impl Making<'_, '_> {
                 return;
             }
             let place = a.lerp(b, c.t) - c.normal * c.distance;
-            if self.is_internal_edge(part, place, (b - a).normalize_or_zero(), c.normal) {
+            if making.is_internal_edge(part, place, (b - a).normalize_or_zero(), c.normal) {
                 return;
             }
             let at = (c.t, c.normal, c.distance);
             let key = [p, e, c.edge];
-            let depth = self.skin - c.distance;
-            let is_deep = depth > self.site.reach.touching && depth <= deepest;
+            let depth = making.skin - c.distance;
+            let is_deep = depth > making.site.reach.touching && depth <= deepest;
             let known =
-                self.touches.touched(key) || is_deep && self.has_slid_on(key, c.normal, depth);
-            self.across((key, known), (&nodes, &corners), at, deepest);
+                making.touches.touched(key) || is_deep && making.has_slid_on(key, c.normal, depth);
+            making.across((key, known), (&nodes, &corners), at, deepest);
         };
-        part.solid.for_each_crossing(a, b, most, &mut cross);
+        part.solid
+            .for_each_crossing(a, b, most, &mut |c| cross(self, c));
+        if self.skin + part.solid.edge_radius() > self.site.reach.touching {
+            part.solid.for_each_corner(a, b, most, &mut |c| {
+                // What is over a face beside the edge is that face's.
+                let flanks = self.flanks(e, corners);
+                if flanks.iter().all(|flank| flank.dot(c.normal) >= 0.0) {
+                    cross(self, c);
+                }
+            });
+        }
         let mut side = f64::INFINITY;
         if part.solid.has_round_side() {
             let (t, distance, normal) = part.solid.nearest_on_segment(a, b);
             side = distance;
             if t > 0.0 && t < 1.0 {
-                cross(Crossing {
+                let nearest = Crossing {
                     edge: ROUND_SIDE,
                     t,
                     normal,
                     distance,
-                });
+                };
+                cross(self, nearest);
             }
         }
         if self.site.rows.contacts.len() > before {

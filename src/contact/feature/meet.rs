@@ -137,7 +137,7 @@ impl Making<'_, '_> {
     }
 
     /// The unit directions from an edge into its faces, left and right, square to it; 0 for what is not there.
-    fn flanks(&self, e: u32, [a, b]: [DVec3; 2]) -> [DVec3; 2] {
+    pub(super) fn flanks(&self, e: u32, [a, b]: [DVec3; 2]) -> [DVec3; 2] {
         let wings = self.site.side.topology.wings.get(e as usize);
         let along = along([a, b]);
         wings.map_or([DVec3::ZERO; 2], |wings| {
