@@ -40,6 +40,14 @@ impl Form {
         }
     }
 
+    /// Whether it tells what is inside: a volume does, and a closed mesh by its winding.
+    pub fn has_inside(&self) -> bool {
+        match self {
+            Self::Solid(_) => true,
+            Self::Soup(soup) => soup.oriented(),
+        }
+    }
+
     /// Whether a shape is of a kind that has a form, without working anything out.
     pub fn takes(shape: &dyn Shape) -> bool {
         Solid::takes(shape) || Soup::takes(shape)

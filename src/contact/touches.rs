@@ -114,9 +114,10 @@ impl Touches {
         kept.take_while(move |key| key[0] == first)
     }
 
-    /// The keys of all points that touched last.
+    /// The keys of all points that touched last, without those that were only near.
     pub fn keys(&self) -> impl Iterator<Item = Key> {
-        self.kept.iter().map(|t| t.key)
+        let touched = self.kept.iter().filter(|t| t.has_touched());
+        touched.map(|t| t.key)
     }
 
     /// Whether any point whose key begins and ends like this touched last.
@@ -147,19 +148,37 @@ impl Touches {
     /// Ends a substep, after the rows have been solved. Friction keeps its hold on a point that sticks, or that leaves the
     /// surface by less than `touching` m; one that slides takes its anchor along.
     pub fn end(&mut self, rows: &Rows, touching: f64) {
+        self.end_with(rows, touching, false);
+    }
+
+    /// As [`Self::end`], and what was so near that it had a row keeps its side: it may be on the other one the next time.
+    pub fn end_near(&mut self, rows: &Rows, touching: f64) {
+        self.end_with(rows, touching, true);
+    }
+
+    fn end_with(&mut self, rows: &Rows, touching: f64, near: bool) {
         self.kept.clear();
         for touch in &self.next {
             let row: &Row = &rows.contacts[touch.row as usize];
             let pressed = row.normal_impulse > 0.0;
-            if pressed || row.depth >= -touching {
+            let touches = pressed || row.depth >= -touching;
+            if touches || near {
+                let holds = touches && (!pressed || row.sticks());
                 self.kept.push(Touch {
-                    hold: touch.hold.filter(|_| !pressed || row.sticks()),
+                    hold: touch.hold.filter(|_| holds),
                     impulse: (row.normal_impulse, row.friction_impulse),
                     depth: row.depth,
                     ..*touch
                 });
             }
         }
+    }
+}
+
+impl Touch {
+    /// Whether it was pressed or may be held, and not only near.
+    fn has_touched(&self) -> bool {
+        self.impulse.0 > 0.0 || self.hold.is_some()
     }
 }
 

@@ -101,6 +101,15 @@ impl Making<'_, '_> {
         };
         let way = corners[0].lerp(corners[1], t) - edge.ends[0].lerp(edge.ends[1], s);
         let flanks = self.flanks(e, corners);
+        let beside = |[own, id, _]: Key| {
+            if own == e {
+                let i = edges.binary_search_by_key(&id, |other| other.id);
+                i.is_ok_and(|i| edges[i].ends.iter().any(|end| edge.ends.contains(end)))
+            } else {
+                let own = self.site.side.topology.edges.get(own as usize);
+                id == edge.id && own.is_some_and(|own| share_node(own, &nodes))
+            }
+        };
         // What slides on from one edge to the next may be on the wrong side by then: only the one beside it knows.
         let (side, last) = if self.site.side.topology.closed {
             (
@@ -108,25 +117,27 @@ impl Making<'_, '_> {
                 None,
             )
         } else {
-            let beside = |[own, id, _]: Key| {
-                if own == e {
-                    let i = edges.binary_search_by_key(&id, |other| other.id);
-                    i.is_ok_and(|i| edges[i].ends.iter().any(|end| edge.ends.contains(end)))
-                } else {
-                    let own = self.site.side.topology.edges.get(own as usize);
-                    id == edge.id && own.is_some_and(|own| share_node(own, &nodes))
-                }
-            };
             let last = self.touches.normal(key);
             let last = last.or_else(|| self.touches.normal_along(across, beside));
             let last = last.filter(|n| n.dot(across).abs() > ALIKE);
-            (last.unwrap_or(way), last)
+            // What has an inside tells its outside, but where it is folded flat.
+            let outward = edge.normals[0] + edge.normals[1];
+            let has_inside = self.target.form.has_inside() && outward != DVec3::ZERO;
+            let side = if has_inside { outward } else { way };
+            (last.unwrap_or(side), last)
         };
         let normal = across * 1.0_f64.copysign(across.dot(side));
         if can_push(&flanks, -normal) && can_push(&edge.flanks(), normal) {
             let before = self.site.rows.contacts.len();
-            let at = (t, normal, way.dot(normal));
-            let known = touched || last.is_some();
+            let distance = way.dot(normal);
+            // About as deep as what it has slid on from: else that is beyond a thin part.
+            let slid = || {
+                let before = self.touches.deepest_along(normal, ALIKE, beside);
+                let depth = self.skin - distance - self.site.reach.touching;
+                before.is_some_and(|before| depth <= before)
+            };
+            let known = touched || last.is_some() && slid();
+            let at = (t, normal, distance);
             self.across((key, known), (&nodes, &corners), at, self.deepest_point());
             if self.site.rows.contacts.len() > before {
                 // What touches may be deeper next time.

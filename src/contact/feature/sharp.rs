@@ -104,7 +104,7 @@ impl SharpFeatures {
     /// Remembers what touches, after the rows have been solved.
     pub fn remember(&mut self, rows: &Rows, touching: f64) {
         self.on_faces.end(rows, touching);
-        self.on_edges.end(rows, touching);
+        self.on_edges.end_near(rows, touching);
     }
 
     /// Puts into `out` the edges of the body that touch borders, as each of their nodes has them, by node.
