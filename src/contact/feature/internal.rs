@@ -14,6 +14,9 @@ use crate::math::DVec3;
 /// fall by as much meet in the sharpest bend that is left to the nodes.
 const BESIDE: f64 = 2.0 / GENTLE;
 
+/// How far from a part of which it is a side a seam may be by rounding, in distances that count as touching.
+const SEAM: f64 = 1e-3;
+
 impl Making<'_, '_> {
     /// Whether a place on an edge of the part is on no edge of the whole: beside it, along what crosses it there, another part goes on
     /// at the same height or rises.
@@ -59,11 +62,13 @@ impl Making<'_, '_> {
         [to, normal]: [DVec3; 2],
     ) -> Option<bool> {
         let beside = place + self.site.reach.touching * (BESIDE * to - normal);
-        let inside = |(distance, _): (f64, DVec3)| distance < 0.0;
-        if inside(part.solid.signed_distance(beside)) {
+        // What lies in a seam, to rounding, is on the side of both parts, and not beside both.
+        let (distance, _) = part.solid.signed_distance(beside);
+        if distance < SEAM * self.site.reach.touching {
             return Some(true);
         }
-        inside(whole.signed_distance(part.to_collider(beside))).then_some(false)
+        let (distance, _) = whole.signed_distance(part.to_collider(beside));
+        (distance < 0.0).then_some(false)
     }
 
     /// The whole of which the part is one of several.
