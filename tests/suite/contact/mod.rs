@@ -1,5 +1,6 @@
 //! Contact of nodes with every shape a collider can have.
 
+mod across;
 mod blow;
 mod brinks;
 mod changes;
