@@ -309,7 +309,9 @@ impl Making<'_, '_> {
         };
         part.solid
             .for_each_crossing(a, b, most, &mut |c| cross(self, c));
-        if self.skin + part.solid.edge_radius() > self.site.reach.touching {
+        // Closed surfaces have faces on both sides of every edge, and these hold round corners.
+        let open = !self.site.side.topology.closed;
+        if open && self.skin + part.solid.edge_radius() > self.site.reach.touching {
             part.solid.for_each_corner(a, b, most, &mut |c| {
                 // What is over a face beside the edge is that face's.
                 let flanks = self.flanks(e, corners);
