@@ -35,14 +35,14 @@ pub(crate) struct SpringTable<S> {
     pub limits: Vec<Limit<S>>,
     /// Whether any spring is damped.
     pub damped: bool,
-    /// The nodes that have two springs, with either of them: the joints of chains.
-    pub joints: Vec<Joint>,
+    /// The nodes between two springs, with either of them. What has broken counts, as before it did.
+    pub chain_nodes: Vec<ChainNode>,
     pub rows: Rows,
 }
 
 /// A node between two springs, and one of them.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Joint {
+pub(crate) struct ChainNode {
     pub node: u32,
     pub spring: u32,
 }
@@ -79,7 +79,7 @@ impl<S: Scalar> SpringTable<S> {
                 Vec::new()
             },
             damped: springs.iter().any(|s| s.damping > 0.0),
-            joints: joints(springs, state.particles.len()),
+            chain_nodes: chain_nodes(springs, state.particles.len()),
             rows: Rows::Later,
         };
         for (spring, _) in state.broken.iter().enumerate().filter(|(_, b)| **b) {
@@ -163,14 +163,14 @@ impl<S: Scalar> Limit<S> {
     };
 }
 
-fn joints(springs: &[Spring], nodes: usize) -> Vec<Joint> {
+fn chain_nodes(springs: &[Spring], nodes: usize) -> Vec<ChainNode> {
     let mut counts = vec![0_u32; nodes];
     for node in springs.iter().flat_map(|s| s.nodes) {
         counts[node as usize] += 1;
     }
     let ends = (0..)
         .zip(springs)
-        .flat_map(|(spring, s)| s.nodes.map(|node| Joint { node, spring }));
+        .flat_map(|(spring, s)| s.nodes.map(|node| ChainNode { node, spring }));
     ends.filter(|end| counts[end.node as usize] == 2).collect()
 }
 

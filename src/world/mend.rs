@@ -57,7 +57,7 @@ impl Group {
             if by == DVec3::ZERO {
                 continue;
             }
-            let taken = row.response.lightness(row.normal);
+            let taken = row.response.mass_ratio(row.normal);
             let lost = mend(members, rows, (row.terms, row.shadow, taken), by);
             if row.between {
                 let terms = &rows.terms[row.terms.range()];

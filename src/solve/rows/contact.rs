@@ -51,8 +51,8 @@ impl Response {
         direction.dot(self.rigid * direction)
     }
 
-    /// How heavy the shadow is along `direction`, in masses of the point; 1 if it is the heavier one \[1\].
-    pub fn lightness(&self, direction: DVec3) -> f64 {
+    /// The mass that the shadow has along `direction` over that of the point, at most 1 \[1\].
+    pub fn mass_ratio(&self, direction: DVec3) -> f64 {
         let rigid = self.rigid_along(direction);
         if rigid > self.own {
             self.own / rigid
