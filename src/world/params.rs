@@ -20,8 +20,8 @@ pub enum Substeps {
         min_h: f64,
     },
     /// This many per step of the world. Refused at insertion if unstable for the world's
-    /// [`expected_dt`](DeformableParameters::expected_dt); where a longer step or a crushed shape needs more, more are
-    /// taken and reported, never a softer body.
+    /// [`expected_dt`](DeformableParameters::expected_dt); where a longer step, a crushed shape, deformables that meet fast or
+    /// rigid bodies that turn fast need more, more are taken and reported, never a softer body.
     Fixed(usize),
     /// This many per step, stable or not: for those who want to see the textbook's explosion. Reported as unstable.
     Unchecked(usize),

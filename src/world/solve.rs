@@ -38,8 +38,11 @@ impl Group {
             for (_, body) in members.iter_mut() {
                 body.move_anew(h);
             }
+            if round == rounds {
+                break;
+            }
             let (mut change, mut missed) = (0.0_f64, 0.0_f64);
-            for node in rows.nodes.iter().filter(|_| round < rounds) {
+            for node in &rows.nodes {
                 let body = &members[node.body as usize].1;
                 if !late(body) {
                     let got = body.free_velocity(node.node as usize, h);

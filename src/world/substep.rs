@@ -42,7 +42,7 @@ pub(super) struct Group {
     pub rows: Rows,
     /// Where free motion took the nodes of rows, in the frames of their bodies \[m\].
     places: Vec<DVec3>,
-    /// The half kicks before, of the nodes of rows.
+    /// The half kicks before, of the nodes of rows; empty where nothing moves by velocity Verlet.
     pub(super) kicks: Vec<Option<HalfKick>>,
 }
 

@@ -4,7 +4,7 @@ use super::AttachmentHandle;
 use super::attach::AttachmentState;
 use super::observer::{AttachmentBroke, AttachmentImpulse, Observer};
 use super::substep::{Group, Members};
-use super::work::node_work;
+use super::work::{HalfKick, node_work};
 use crate::coupling::attach::{Load, Side};
 use crate::coupling::ties::{Average, LinkEnergy};
 use crate::math::DVec3;
@@ -216,7 +216,7 @@ impl Group {
             for term in self.rows.terms_of(tie.terms) {
                 let node = &self.rows.nodes[term.node as usize];
                 let impulse = tie.impulse * term.share;
-                let kick = self.kicks[term.node as usize];
+                let kick = HalfKick::noted(&self.kicks, term.node);
                 let (mean, work) = node_work(&mut self.members, node, kick, impulse);
                 work.rigid += impulse.dot(mean);
                 stretching += mean * term.weight;

@@ -20,7 +20,7 @@ impl Group {
             let ends = Ends::of(&self.rows.nodes, terms);
             let meeting = if row.between {
                 let levers = self.rows.levers_of(row).map(|l| (l, row.normal));
-                0.5 * ends.mean_velocity(&self.members, &self.kicks, terms, levers)
+                0.5 * ends.mean_velocity(self, terms, levers)
             } else {
                 0.5 * (shadow.velocity_before(row.arm) + shadow.velocity_at(row.arm))
             };
@@ -28,7 +28,7 @@ impl Group {
             let along = row.normal * row.normal_impulse;
             for (term, part) in self.rows.parts(row, impulse) {
                 let node = &self.rows.nodes[term.node as usize];
-                let kick = self.kicks[term.node as usize];
+                let kick = HalfKick::noted(&self.kicks, term.node);
                 let (mean, work) = node_work(&mut self.members, node, kick, part);
                 work.contact_normal -= term.share * along.dot(mean - meeting);
                 work.contact_friction -= term.share * row.friction_impulse.dot(mean - meeting);
@@ -56,11 +56,14 @@ impl Group {
         }
     }
 
-    /// The half kicks before, of the nodes of rows.
+    /// Notes the half kicks before, of the nodes of rows.
     pub(super) fn note_kicks(&mut self) {
-        let of = |n: &RowNode| HalfKick::of(&self.members[n.body as usize].1, n);
         self.kicks.clear();
-        self.kicks.extend(self.rows.nodes.iter().map(of));
+        let mut schemes = self.members.iter().map(|(_, body)| body.integrator());
+        if schemes.any(|scheme| scheme == Integrator::VelocityVerlet) {
+            let of = |n: &RowNode| HalfKick::of(&self.members[n.body as usize].1, n);
+            self.kicks.extend(self.rows.nodes.iter().map(of));
+        }
     }
 
     /// What each node got of each row.
@@ -141,15 +144,15 @@ impl<'a> Ends<'a> {
     /// The sum of the mean velocities of its points, which levers along a normal carry on \[m/s\].
     fn mean_velocity(
         &self,
-        members: &Members,
-        kicks: &[Option<HalfKick>],
+        group: &Group,
         terms: &[Term],
         levers: Option<(&[DVec3], DVec3)>,
     ) -> DVec3 {
         let velocity = |(k, t): (usize, &Term)| {
             let node = self.node(t);
-            let body = &members[node.body as usize].1;
-            let v = mean(body, node) + HalfKick::between(kicks[t.node as usize], body, node).all;
+            let body = &group.members[node.body as usize].1;
+            let kick = HalfKick::noted(&group.kicks, t.node);
+            let v = mean(body, node) + HalfKick::between(kick, body, node).all;
             let carried = levers.map_or(DVec3::ZERO, |(l, normal)| l[k] * normal.dot(v));
             (v * t.weight + carried) * self.sign(t)
         };
@@ -191,6 +194,11 @@ impl HalfKick {
             all: (force * node.inv_mass + body.gravity()) * by,
             damped: damping * (node.inv_mass * by),
         })
+    }
+
+    /// The one before, of a row node, if any was noted.
+    pub(super) fn noted(kicks: &[Option<Self>], node: u32) -> Option<Self> {
+        *kicks.get(node as usize)?
     }
 
     /// By how much the mean of the displacements before and after an impulse is faster than that of the velocities just

@@ -236,6 +236,21 @@ fn tie() -> Tie {
     }
 }
 
+/// Adds a node that is tied to the first body at `arm`.
+fn add_tied(rows: &mut Rows, node: RowNode, arm: DVec3) {
+    let terms = rows.add_terms([Term {
+        node: rows.nodes.len() as u32,
+        weight: 1.0,
+        share: 1.0,
+    }]);
+    rows.nodes.push(node);
+    rows.ties.push(Tie {
+        terms,
+        arm,
+        ..tie()
+    });
+}
+
 /// A node of 10 g on the fixed world, pinned to a body of 10 kg that moves at `v`, with what holds the body beside it.
 fn pinned(depth: f64, v: DVec3, moves: f64) -> (Rows, [Shadow; 2]) {
     let mut rows = rows(0.0, depth, DVec3::ZERO, v);

@@ -14,20 +14,11 @@ fn composite() -> (Rows, [Shadow; 3]) {
     ];
     for (i, arm) in corners.into_iter().enumerate() {
         let v = DVec3::new(i as f64, 1.0 - i as f64, 0.3);
-        rows.nodes.push(RowNode {
+        let node = RowNode {
             inv_mass: 1.0,
             ..node(v)
-        });
-        let terms = rows.add_terms([Term {
-            node: i as u32,
-            weight: 1.0,
-            share: 1.0,
-        }]);
-        rows.ties.push(Tie {
-            terms,
-            arm,
-            ..tie()
-        });
+        };
+        add_tied(&mut rows, node, arm);
     }
     let body = |mass: f64| Shadow {
         inv_mass: DMat3::from_diagonal(DVec3::splat(1.0 / mass)),

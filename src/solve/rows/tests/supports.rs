@@ -6,20 +6,11 @@ use super::*;
 fn supported(arms: &[DVec3], free: usize) -> (Rows, [Shadow; 2]) {
     let mut rows = Rows::default();
     for (i, arm) in arms.iter().enumerate() {
-        rows.nodes.push(RowNode {
+        let node = RowNode {
             inv_mass: if i < free { 1.0 } else { 0.0 },
             ..node(DVec3::ZERO)
-        });
-        let terms = rows.add_terms([Term {
-            node: i as u32,
-            weight: 1.0,
-            share: 1.0,
-        }]);
-        rows.ties.push(Tie {
-            terms,
-            arm: *arm,
-            ..tie()
-        });
+        };
+        add_tied(&mut rows, node, *arm);
     }
     let body = Shadow {
         inv_mass: DMat3::from_diagonal(DVec3::splat(0.5)),
