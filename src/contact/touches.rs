@@ -126,11 +126,21 @@ impl Touches {
     }
 
     /// Whether any point whose key begins like this touched last.
-    pub fn knows(&self, [first, second]: [u32; 2]) -> bool {
+    pub fn knows(&self, start: [u32; 2]) -> bool {
+        self.beginning(start).next().is_some()
+    }
+
+    /// How deep the deepest of the points was whose keys begin like this and that touched last \[m\].
+    pub fn deepest(&self, start: [u32; 2]) -> Option<f64> {
+        let depths = self.beginning(start).map(|t| t.depth);
+        depths.max_by(f64::total_cmp)
+    }
+
+    /// The points whose keys begin like this that touched last.
+    fn beginning(&self, [first, second]: [u32; 2]) -> impl Iterator<Item = &Touch> {
         let i = self.kept.partition_point(|t| t.key < [first, second, 0]);
-        self.kept
-            .get(i)
-            .is_some_and(|t| t.key[0] == first && t.key[1] == second)
+        let begins = move |t: &&Touch| t.key[0] == first && t.key[1] == second;
+        self.kept[i..].iter().take_while(begins)
     }
 
     /// A point has got a row; `hold` is where friction may take hold of it, or does.

@@ -13,6 +13,9 @@ const FLAT: f64 = 0.026;
 /// How far a normal may lean over a face beside its edge, as a sine.
 const LEAN: f64 = 0.1;
 
+/// The same where the two touched last: what they press bends round them.
+const HELD: f64 = 0.5;
+
 /// How deep, per edge, two edges of solids can be in each other.
 const DEEPEST: f64 = 0.25;
 
@@ -61,19 +64,19 @@ fn stands_out(body: &Posed, edge: u32, flanks: &[DVec3; 2]) -> bool {
 }
 
 /// Whether an edge can push along `outwards`: no face of it lies that way.
-fn can_push(flanks: &[DVec3; 2], outwards: DVec3) -> bool {
-    flanks.iter().all(|f| f.dot(outwards) <= LEAN)
+fn can_push(flanks: &[DVec3; 2], outwards: DVec3, touched: bool) -> bool {
+    let lean = if touched { HELD } else { LEAN };
+    flanks.iter().all(|f| f.dot(outwards) <= lean)
 }
 
-/// Where edge `edges[0]` of the first body and `edges[1]` of the second cross, if they do: they come nearest, within `farthest`
-/// m, at `along` of each. `flank` is what [`outstanding`] says of the first; `last` is the normal they had last.
+/// Where edge `edges[0]` of the first body and `edges[1]` of the second cross, if they do: they come nearest at `along` of
+/// each. `flank` is what [`outstanding`] says of the first; `last` is the normal they had last.
 pub fn crossing(
     bodies: [&Posed; 2],
     edges: [u32; 2],
     along: [f64; 2],
     flank: &[DVec3; 2],
     last: Option<DVec3>,
-    farthest: f64,
 ) -> Option<Crossing> {
     let (a, b) = (bodies[0].ends(edges[0]), bodies[1].ends(edges[1]));
     let way = a[0].lerp(a[1], along[0]) - b[0].lerp(b[1], along[1]);
@@ -95,12 +98,8 @@ pub fn crossing(
     let normal = if side < 0.0 { -across } else { across };
     let gap = way.dot(normal);
     let shortest = a[0].distance(a[1]).min(b[0].distance(b[1]));
-    // Edges that did not touch cannot have passed each other by more than the way of a substep.
-    let deepest = if last.is_some() {
-        DEEPEST * shortest
-    } else {
-        farthest.min(DEEPEST * shortest)
-    };
-    let possible = gap > -deepest && can_push(&other, normal) && can_push(flank, -normal);
+    let can_push = |flanks, way| can_push(flanks, way, last.is_some());
+    let possible =
+        gap > -DEEPEST * shortest && can_push(&other, normal) && can_push(flank, -normal);
     possible.then_some(Crossing { along, normal, gap })
 }

@@ -183,10 +183,14 @@ impl Encounter {
                 let flank = flank.get_or_insert_with(|| edge::outstanding(&a, edge));
                 let Some(flank) = flank else { break };
                 let (pair, normal) = ([edge, other], last.map(|t| t.normal));
-                let found = edge::crossing([&a, &b], pair, along, flank, normal, farthest);
+                let found = edge::crossing([&a, &b], pair, along, flank, normal);
                 if let Some(found) = found {
                     let draft = self.draft_edges(pair, &found, last, bodies, &reach);
-                    self.push(draft, touches, bodies, rows, reach);
+                    let into = -draft.velocity(bodies).dot(found.normal);
+                    // Edges that did not touch cannot have passed each other by more than they come within a substep.
+                    if last.is_some() || -found.gap <= reach.at(into.max(0.0)) {
+                        self.push(draft, touches, bodies, rows, reach);
+                    }
                 }
             }
         }

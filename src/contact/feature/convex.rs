@@ -110,7 +110,7 @@ impl ConvexFeatures {
                 look(&mut making, met);
             }
             for met in met.chunk_by(|a, b| a.point == b.point) {
-                making.point(p, met);
+                making.point(p, met, convex.solid.has_rim());
             }
         }
         for (p, part) in (0..)

@@ -1,5 +1,6 @@
 //! The rows of faces and edges of one body against points and edges of a target.
 
+use super::meet::ALIKE;
 use super::patch::{Foot, Patch};
 use crate::contact::site::Site;
 use crate::contact::target::{Frame, Target};
@@ -16,8 +17,8 @@ pub(super) struct Met {
     patch: Patch,
     normal: DVec3,
     depth: f64,
-    /// Whether it is so near that it may have come from outside within the substep.
-    shallow: bool,
+    /// How much deeper it is than what may have come from outside within the substep \[m\].
+    excess: f64,
     /// Whether the point is over no face, and this is the foot on the border of one.
     beside: bool,
 }
@@ -29,11 +30,16 @@ impl Met {
     /// Whether the point is on the border of this face, within `width` m, and well within another one that looks elsewhere: what
     /// slides over a corner does not meet it with its side.
     fn yields_to(&self, other: &Self, width: f64) -> bool {
-        other.shallow
+        other.is_shallow()
             && !other.beside
             && self.normal.dot(other.normal) < 0.7
             && self.inset() < width
             && self.inset() < other.inset()
+    }
+
+    /// Whether it may have come from outside within the substep.
+    fn is_shallow(&self) -> bool {
+        self.excess <= 0.0
     }
 
     /// A length that goes to zero at the border \[m\].
@@ -108,8 +114,7 @@ impl Making<'_, '_> {
     ) -> Option<Met> {
         let depth = self.skin - (point - foot.point).dot(outward);
         let nodes = self.site.side.topology.faces[face as usize].nodes();
-        let closing = self.closing(nodes, patch.corners(), &foot.weights);
-        let reach = self.site.reach.at(closing);
+        let [reach, come] = self.closing(nodes, patch.corners(), &foot.weights, -outward);
         (depth >= -reach && depth <= deepest).then_some(Met {
             point: number,
             face,
@@ -117,7 +122,7 @@ impl Making<'_, '_> {
             patch: *patch,
             normal: -outward,
             depth,
-            shallow: depth <= reach,
+            excess: depth - come,
             beside,
         })
     }
@@ -136,8 +141,8 @@ impl Making<'_, '_> {
             return;
         }
         let weights = [1.0 - t, t, 0.0, 0.0];
-        let reach = self.site.reach.at(self.closing(nodes, corners, &weights));
-        if depth >= -reach && (known || depth <= reach) {
+        let [reach, come] = self.closing(nodes, corners, &weights, normal);
+        if depth >= -reach && (known || depth <= come) {
             let point = Point {
                 nodes,
                 corners,
@@ -159,15 +164,16 @@ impl Making<'_, '_> {
         let is_met = |point: u32| {
             let met = &met[met.partition_point(|m| m.point < point)..];
             let met = met.iter().take_while(|m| m.point == point);
-            let mut met = met.map(|m| m.shallow || self.touches.touched([p, point, m.face]));
+            let mut met = met.map(|m| m.is_shallow() || self.touches.touched([p, point, m.face]));
             met.any(|is| is)
         };
         self.touches.known(p).any(|[_, point, _]| !is_met(point))
     }
 
-    /// The rows of one point. A point that is deep below a face has come in through another one, unless it was
-    /// known to touch; then it leaves by the nearest.
-    pub(super) fn point(&mut self, p: u32, met: &[Met]) {
+    /// The rows of one point. A point that is deep below a face has come in through another one, unless it was known to touch,
+    /// about as deep; then it leaves by the nearest. Points of `rims` are others for every face: this one is known where any
+    /// touched a face that looks about the same way.
+    pub(super) fn point(&mut self, p: u32, met: &[Met], rims: bool) {
         let mut any = false;
         for m in met.iter().filter(|m| !m.beside) {
             if met
@@ -176,16 +182,24 @@ impl Making<'_, '_> {
             {
                 continue;
             }
-            if m.shallow || self.touches.touched([p, m.point, m.face]) {
+            if m.is_shallow() || self.touches.touched([p, m.point, m.face]) {
                 any = true;
                 self.add_met(p, m);
             }
         }
-        if !any
-            && self.touches.knows([p, met[0].point])
-            && let Some(nearest) = met.iter().min_by(|a, b| a.depth.total_cmp(&b.depth))
-        {
-            self.add_met(p, nearest);
+        let Some(deepest) = self.touches.deepest([p, met[0].point]).filter(|_| !any) else {
+            return;
+        };
+        if let Some(nearest) = met.iter().min_by(|a, b| a.depth.total_cmp(&b.depth)) {
+            let on_rim = |[part, ..]: Key| rims && part == p;
+            let looks_alike = || {
+                self.touches
+                    .deepest_along(nearest.normal, ALIKE, on_rim)
+                    .is_some()
+            };
+            if nearest.excess <= deepest || looks_alike() {
+                self.add_met(p, nearest);
+            }
         }
     }
 
@@ -200,12 +214,22 @@ impl Making<'_, '_> {
         self.add([p, m.point, m.face], point);
     }
 
-    /// Speed of a point of the deformable relative to the collider \[m/s\].
-    fn closing(&self, nodes: &[u32], corners: &[DVec3], weights: &[f64; 4]) -> f64 {
+    /// From how far a point of the deformable can touch within the substep, and how deep it can have come within the last one,
+    /// `normal` being that of its row \[m\].
+    fn closing(
+        &self,
+        nodes: &[u32],
+        corners: &[DVec3],
+        weights: &[f64; 4],
+        normal: DVec3,
+    ) -> [f64; 2] {
         let arm = self.arm(weigh(weights, corners.iter().copied()));
         let state = self.site.side.state;
         let velocities = nodes.iter().map(|&i| state.velocity(i as usize));
-        (weigh(weights, velocities) - self.site.shadow.velocity_at(arm)).length()
+        let slip = weigh(weights, velocities) - self.site.shadow.velocity_at(arm);
+        let into = -slip.dot(self.frame.axes * normal);
+        let reach = self.site.reach;
+        [reach.at(slip.length()), reach.at(into.max(0.0))]
     }
 
     /// From what distance on no point of a face or an edge can touch within the substep \[m\]: none moves faster relative to the

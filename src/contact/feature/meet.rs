@@ -10,8 +10,11 @@ use crate::contact::soup::Edge;
 use crate::contact::touches::Key;
 use crate::math::DVec3;
 
-/// How far, as a sine, an edge or facet beside the point that touches may lean towards the body: a face rocks a little.
+/// How far, as a sine, an edge or facet beside the point that is to touch may lean towards the body: a face rocks a little.
 const LEAN: f64 = 0.1;
+
+/// The same beside a point that touched last: what it presses bends round it.
+const HELD: f64 = 0.5;
 
 /// Cosine from which on the side where a neighbour was found tells that of a point.
 pub(super) const ALIKE: f64 = 0.3;
@@ -28,8 +31,9 @@ fn crossing(a: [DVec3; 2], b: [DVec3; 2], overlap: f64) -> Option<[f64; 2]> {
 }
 
 /// Whether a corner or edge can push along a direction: nothing of its surface goes that way.
-fn can_push(cone: &[DVec3], direction: DVec3) -> bool {
-    cone.iter().all(|c| c.dot(direction) <= LEAN)
+fn can_push(cone: &[DVec3], direction: DVec3, touched: bool) -> bool {
+    let lean = if touched { HELD } else { LEAN };
+    cone.iter().all(|c| c.dot(direction) <= lean)
 }
 
 impl Making<'_, '_> {
@@ -47,7 +51,8 @@ impl Making<'_, '_> {
         let p = corner.place;
         let apart = (lo - p).max(p - hi).max_element();
         let key = [0, corner.id, f];
-        if apart > self.near && !self.touches.touched(key) {
+        let touched = self.touches.touched(key);
+        if apart > self.near && !touched {
             return (apart, None);
         }
         let (beside, Some(foot)) = self.foot(&patch, p) else {
@@ -68,7 +73,7 @@ impl Making<'_, '_> {
             let side = known.map_or(p - foot.point, |last| -last);
             foot.normal * 1.0_f64.copysign(foot.normal.dot(side))
         };
-        if !can_push(cone, -outward) {
+        if !can_push(cone, -outward, touched) {
             return (apart, None);
         }
         let met = self.over(
@@ -127,6 +132,7 @@ impl Making<'_, '_> {
             (last.unwrap_or(side), last)
         };
         let normal = across * 1.0_f64.copysign(across.dot(side));
+        let can_push = |flanks, way| can_push(flanks, way, touched);
         if can_push(&flanks, -normal) && can_push(&edge.flanks(), normal) {
             let before = self.site.rows.contacts.len();
             let distance = way.dot(normal);

@@ -184,7 +184,7 @@ impl SharpFeatures {
                 .visit(points.len(), way, (farthest, near), look);
         }
         for met in met.chunk_by(|a, b| a.point == b.point) {
-            making.point(0, met);
+            making.point(0, met, false);
         }
         (making.near, making.deep) = (near, false);
         making.touches = &mut self.on_edges;
