@@ -27,6 +27,11 @@ impl Reach {
     pub fn at(&self, speed: f64) -> f64 {
         self.touching + 2.0 * self.h * speed + self.slack
     }
+
+    /// How deep a point can have come within the last substep, which may have been longer, if it moves inwards at `speed` m/s \[m\].
+    pub fn come(&self, speed: f64) -> f64 {
+        self.touching + 1.5 * self.h * speed.max(0.0) + self.slack
+    }
 }
 
 /// A body of the group in a substep, for contact.

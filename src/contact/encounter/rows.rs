@@ -188,7 +188,7 @@ impl Encounter {
                     let draft = self.draft_edges(pair, &found, last, bodies, &reach);
                     let into = -draft.velocity(bodies).dot(found.normal);
                     // Edges that did not touch cannot have passed each other by more than they come within a substep.
-                    if last.is_some() || -found.gap <= reach.at(into.max(0.0)) {
+                    if last.is_some() || -found.gap <= reach.come(into) {
                         self.push(draft, touches, bodies, rows, reach);
                     }
                 }

@@ -229,7 +229,7 @@ impl Making<'_, '_> {
         let slip = weigh(weights, velocities) - self.site.shadow.velocity_at(arm);
         let into = -slip.dot(self.frame.axes * normal);
         let reach = self.site.reach;
-        [reach.at(slip.length()), reach.at(into.max(0.0))]
+        [reach.at(slip.length()), reach.come(into)]
     }
 
     /// From what distance on no point of a face or an edge can touch within the substep \[m\]: none moves faster relative to the

@@ -13,6 +13,7 @@ mod seams;
 mod shapes;
 mod slides;
 mod spinning;
+mod squeezed;
 mod surface;
 mod yielding;
 
