@@ -1,7 +1,7 @@
 //! Faces and edges of one body against the convex parts of a solid.
 
 use super::making::{BORDER, Making, Met};
-use super::meet::{ALIKE, share_node};
+use super::meet::{ALIKE, can_push, share_node};
 use super::part::{Convex, Part};
 use super::patch::Patch;
 use super::sharp::FLAT;
@@ -197,6 +197,12 @@ impl Making<'_, '_> {
                 point - foot.point
             };
             let outward = foot.normal * 1.0_f64.copysign(foot.normal.dot(out));
+            let away = points
+                .iter()
+                .map(|other| (*other - point).normalize_or_zero());
+            if !can_push(away, -outward, self.touches.touched([p, i, f])) {
+                continue;
+            }
             let at = (beside, &foot, outward);
             let found = self.over((i, point), (f, &patch), at, deepest);
             if found.is_some() && self.is_internal_corner(part, point, -n) {

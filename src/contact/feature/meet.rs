@@ -30,10 +30,14 @@ fn crossing(a: [DVec3; 2], b: [DVec3; 2], overlap: f64) -> Option<[f64; 2]> {
     (inside(s, a) && inside(t, b)).then_some([s.clamp(0.0, 1.0), t.clamp(0.0, 1.0)])
 }
 
-/// Whether a corner or edge can push along a direction: nothing of its surface goes that way.
-fn can_push(cone: &[DVec3], direction: DVec3, touched: bool) -> bool {
+/// Whether a corner or edge can push along a direction: nothing of its surface, of which `cone` are unit directions, goes that way.
+pub(super) fn can_push(
+    mut cone: impl Iterator<Item = DVec3>,
+    direction: DVec3,
+    touched: bool,
+) -> bool {
     let lean = if touched { HELD } else { LEAN };
-    cone.iter().all(|c| c.dot(direction) <= lean)
+    cone.all(|c| c.dot(direction) <= lean)
 }
 
 impl Making<'_, '_> {
@@ -73,7 +77,7 @@ impl Making<'_, '_> {
             let side = known.map_or(p - foot.point, |last| -last);
             foot.normal * 1.0_f64.copysign(foot.normal.dot(side))
         };
-        if !can_push(cone, -outward, touched) {
+        if !can_push(cone.iter().copied(), -outward, touched) {
             return (apart, None);
         }
         let met = self.over(
@@ -132,8 +136,8 @@ impl Making<'_, '_> {
             (last.unwrap_or(side), last)
         };
         let normal = across * 1.0_f64.copysign(across.dot(side));
-        let can_push = |flanks, way| can_push(flanks, way, touched);
-        if can_push(&flanks, -normal) && can_push(&edge.flanks(), normal) {
+        let can_push = |flanks: [DVec3; 2], way| can_push(flanks.into_iter(), way, touched);
+        if can_push(flanks, -normal) && can_push(edge.flanks(), normal) {
             let before = self.site.rows.contacts.len();
             let distance = way.dot(normal);
             // About as deep as what it has slid on from: else that is beyond a thin part.
