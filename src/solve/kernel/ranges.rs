@@ -103,7 +103,13 @@ impl Ranges {
     /// The least slack of a part of an untouched slot \[m\].
     #[inline(always)]
     pub fn slack<V: Vector>(&self, part: usize) -> V {
-        V::of(self.most[half::<V>(part)].into())
+        let [first, second] = self.most;
+        let least = if V::LANES == LANES {
+            first.min(second)
+        } else {
+            self.most[half::<V>(part)]
+        };
+        V::of(least.into())
     }
 
     /// Of the lanes of a part that were `within`, those whose elongation is in range.

@@ -1,6 +1,8 @@
 //! What deformables don't touch moves bit for bit as in Rapier alone.
 
 use crate::fixtures::{bits, cube, floored};
+use crate::support::Random;
+use crumple::body::{Net, Node};
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
 
@@ -202,6 +204,69 @@ fn every_kernel_gives_the_same_bits() {
             // Sums of work have another order where springs go one by one.
             let relative = (plastic - portable.2).abs() / portable.2;
             assert!(relative < 1e-6, "{}: {relative}", kernel.name());
+        }
+    }
+}
+
+/// Stars of two to five springs, half of which break or yield at forces of their own, kicked: what is left of them.
+fn stars(kernel: Kernel, yields: bool, seed: u64) -> (u64, usize) {
+    let mut random = Random(seed);
+    let (mut nodes, mut springs) = (Vec::new(), Vec::new());
+    for star in 0..200 {
+        let at = Vector::X * (3.0 * star as f32);
+        let hub = nodes.len() as u32;
+        nodes.push(Node::new(at, 1.0));
+        for _ in 0..2 + (4.0 * random.unit()) as usize {
+            let end = nodes.len() as u32;
+            nodes.push(Node::new(at + random.direction(), 1.0));
+            let mut spring = Spring::new(hub, end, 1000.0).damping(1.0);
+            if random.unit() < 0.5 {
+                let force = random.within(5.0, 200.0) as f32;
+                if yields {
+                    (spring.yield_tension, spring.yield_compression) = (force, force);
+                } else {
+                    spring.break_force = force;
+                }
+            }
+            springs.push(spring);
+        }
+    }
+    let mut set = DeformableWorld::new();
+    set.params.kernel = kernel;
+    let count = nodes.len() as u32;
+    let body = set
+        .insert(DeformableBuilder::new(Net::new(nodes, springs)))
+        .unwrap();
+    for node in 0..count {
+        let kick = random.direction() * random.within(0.0, 4.0) as f32;
+        set[body].set_linvel_of(NodeId(node), kick);
+    }
+    let mut world = PhysicsWorld::default();
+    for _ in 0..30 {
+        set.step(&mut world);
+    }
+    let springs = 0..set[body].spring_count() as u32;
+    let broken = springs.filter(|&i| set[body].is_broken(SpringId(i)) == Some(true));
+    (set.state_hash(), broken.count())
+}
+
+/// Vectors of sixteen took the limits of eight springs for those of all sixteen side by side.
+#[test]
+fn every_spring_of_a_vector_has_its_own_limit() {
+    for (yields, seed) in [false, true]
+        .into_iter()
+        .flat_map(|y| (0..6).map(move |s| (y, s)))
+    {
+        let portable = stars(Kernel::Portable, yields, seed);
+        assert!(yields || portable.1 > 10, "{portable:?}");
+        for kernel in [Kernel::Auto, Kernel::Avx2, Kernel::Avx512] {
+            let other = stars(kernel, yields, seed);
+            assert_eq!(
+                other,
+                portable,
+                "{}, yields: {yields}, {seed}",
+                kernel.name()
+            );
         }
     }
 }
