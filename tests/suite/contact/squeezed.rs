@@ -91,3 +91,45 @@ fn what_is_squeezed_is_not_pushed_by_what_it_does_not_touch() {
         }
     }
 }
+
+/// Symptom: where a sheet hung over the rim of a body, the rim at its far side had rows up to 6 cm deep.
+#[test]
+fn what_hangs_over_a_rim_does_not_feel_the_far_one() {
+    let cylinder = || ColliderBuilder::cylinder(0.1, 0.08);
+    let rounded = || ColliderBuilder::round_cylinder(0.08, 0.06, 0.02);
+    let cases = [10, 28, 38].map(|seed| (seed, cylinder()));
+    for (seed, shape) in cases.into_iter().chain([(6, rounded())]) {
+        let mut random = Random(seed);
+        let mut within = |lo: f64, hi: f64| random.within(lo, hi) as f32;
+        let start = Vector::new(within(-0.25, 0.25), within(0.2, 0.3), within(-0.25, 0.25));
+        let tilt = random.direction() * random.within(0.0, 1.5) as f32;
+        let cells = 5 + (10.0 * random.unit()) as usize;
+        let mut within = |lo: f64, hi: f64| random.within(lo, hi) as f32;
+        let above = Vector::new(within(-0.2, 0.2), 0.8, within(-0.2, 0.2));
+        let turn = random.direction() * random.within(0.0, 0.5) as f32;
+        let mut world = PhysicsWorld::default();
+        world.insert(
+            RigidBodyBuilder::dynamic()
+                .translation(start)
+                .rotation(tilt),
+            shape.friction(0.5).density(500.0),
+        );
+        let net = sheet(1.0, 1.0, cells, cells, 1e-3).unwrap().pin_border();
+        let sheet = DeformableBuilder::new(net)
+            .material(Material::elastic(5.0e6, 1000.0).viscosity(2.0e4))
+            .friction(0.5);
+        let block = DeformableBuilder::new(lattice(Vector::splat(0.3), 0.1))
+            .material(Material::elastic(2e5, 200.0).viscosity(300.0))
+            .friction(0.5)
+            .translation(above)
+            .rotation(Rotation::from_scaled_axis(turn));
+        let mut set = DeformableWorld::default();
+        set.insert(sheet).unwrap();
+        set.insert(block).unwrap();
+        let mut rows = Deepest(0.0);
+        for _ in 0..180 {
+            set.step_with(&mut world, &(), &(), &mut rows);
+        }
+        assert!(rows.0 < 4e-3, "{seed}: a row {} m deep", rows.0);
+    }
+}
