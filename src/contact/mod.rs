@@ -3,6 +3,7 @@
 
 pub mod candidates;
 pub mod closest;
+pub mod cone;
 pub mod distance;
 pub mod encounter;
 pub mod feature;

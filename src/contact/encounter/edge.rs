@@ -5,16 +5,11 @@
 
 use super::outline::NONE;
 use super::posed::Posed;
+use crate::contact::cone::can_push;
 use crate::math::DVec3;
 
 /// Edges that bend by less than this (1.5°) are flat \[rad\].
 const FLAT: f64 = 0.026;
-
-/// How far a normal may lean over a face beside its edge, as a sine.
-const LEAN: f64 = 0.1;
-
-/// The same where the two touched last: what they press bends round them.
-const HELD: f64 = 0.5;
 
 /// How deep, per edge, two edges of solids can be in each other.
 const DEEPEST: f64 = 0.25;
@@ -63,12 +58,6 @@ fn stands_out(body: &Posed, edge: u32, flanks: &[DVec3; 2]) -> bool {
     !body.outline.closed || inwards.dot(body.edge_normal(edge)) < 0.0
 }
 
-/// Whether an edge can push along `outwards`: no face of it lies that way.
-fn can_push(flanks: &[DVec3; 2], outwards: DVec3, touched: bool) -> bool {
-    let lean = if touched { HELD } else { LEAN };
-    flanks.iter().all(|f| f.dot(outwards) <= lean)
-}
-
 /// Where edge `edges[0]` of the first body and `edges[1]` of the second cross, if they do: they come nearest at `along` of
 /// each. `flank` is what [`outstanding`] says of the first; `last` is the normal they had last.
 pub fn crossing(
@@ -98,8 +87,8 @@ pub fn crossing(
     let normal = if side < 0.0 { -across } else { across };
     let gap = way.dot(normal);
     let shortest = a[0].distance(a[1]).min(b[0].distance(b[1]));
-    let can_push = |flanks, way| can_push(flanks, way, last.is_some());
+    let can_push = |flanks: [DVec3; 2], way| can_push(flanks, way, last.is_some());
     let possible =
-        gap > -DEEPEST * shortest && can_push(&other, normal) && can_push(flank, -normal);
+        gap > -DEEPEST * shortest && can_push(other, normal) && can_push(*flank, -normal);
     possible.then_some(Crossing { along, normal, gap })
 }

@@ -1,10 +1,11 @@
 //! Faces and edges of one body against the convex parts of a solid.
 
 use super::making::{BORDER, Making, Met};
-use super::meet::{ALIKE, can_push, share_node};
+use super::meet::{ALIKE, share_node};
 use super::part::{Convex, Part};
 use super::patch::Patch;
 use super::sharp::FLAT;
+use crate::contact::cone::can_push;
 use crate::contact::distance::{Crossing, Solid};
 use crate::contact::site::Site;
 use crate::contact::target::{Frame, Target};

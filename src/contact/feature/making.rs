@@ -187,17 +187,15 @@ impl Making<'_, '_> {
                 self.add_met(p, m);
             }
         }
-        let Some(deepest) = self.touches.deepest([p, met[0].point]).filter(|_| !any) else {
+        if any {
             return;
-        };
-        if let Some(nearest) = met.iter().min_by(|a, b| a.depth.total_cmp(&b.depth)) {
+        }
+        if let Some(deepest) = self.touches.deepest([p, met[0].point])
+            && let Some(nearest) = met.iter().min_by(|a, b| a.depth.total_cmp(&b.depth))
+        {
             let on_rim = |[part, ..]: Key| rims && part == p;
-            let looks_alike = || {
-                self.touches
-                    .deepest_along(nearest.normal, ALIKE, on_rim)
-                    .is_some()
-            };
-            if nearest.excess <= deepest || looks_alike() {
+            let alike = self.touches.deepest_along(nearest.normal, ALIKE, on_rim);
+            if nearest.excess <= deepest || alike.is_some() {
                 self.add_met(p, nearest);
             }
         }

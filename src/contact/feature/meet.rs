@@ -6,15 +6,10 @@ use super::patch::Patch;
 use super::sharp::Corner;
 use crate::body::topology::NONE;
 use crate::contact::closest::{between_lines, between_segments};
+use crate::contact::cone::can_push;
 use crate::contact::soup::Edge;
 use crate::contact::touches::Key;
 use crate::math::DVec3;
-
-/// How far, as a sine, an edge or facet beside the point that is to touch may lean towards the body: a face rocks a little.
-const LEAN: f64 = 0.1;
-
-/// The same beside a point that touched last: what it presses bends round it.
-const HELD: f64 = 0.5;
 
 /// Cosine from which on the side where a neighbour was found tells that of a point.
 pub(super) const ALIKE: f64 = 0.3;
@@ -28,16 +23,6 @@ fn crossing(a: [DVec3; 2], b: [DVec3; 2], overlap: f64) -> Option<[f64; 2]> {
         beyond * from.distance(to) <= overlap
     };
     (inside(s, a) && inside(t, b)).then_some([s.clamp(0.0, 1.0), t.clamp(0.0, 1.0)])
-}
-
-/// Whether a corner or edge can push along a direction: nothing of its surface, of which `cone` are unit directions, goes that way.
-pub(super) fn can_push(
-    mut cone: impl Iterator<Item = DVec3>,
-    direction: DVec3,
-    touched: bool,
-) -> bool {
-    let lean = if touched { HELD } else { LEAN };
-    cone.all(|c| c.dot(direction) <= lean)
 }
 
 impl Making<'_, '_> {
@@ -136,7 +121,7 @@ impl Making<'_, '_> {
             (last.unwrap_or(side), last)
         };
         let normal = across * 1.0_f64.copysign(across.dot(side));
-        let can_push = |flanks: [DVec3; 2], way| can_push(flanks.into_iter(), way, touched);
+        let can_push = |flanks: [DVec3; 2], way| can_push(flanks, way, touched);
         if can_push(flanks, -normal) && can_push(edge.flanks(), normal) {
             let before = self.site.rows.contacts.len();
             let distance = way.dot(normal);

@@ -43,6 +43,13 @@ impl Observer for Deepest {
     }
 }
 
+/// A cube of 5.4 kg that hardly damps what it does.
+fn block() -> DeformableBuilder {
+    DeformableBuilder::new(lattice(Vector::splat(0.3), 0.1))
+        .material(Material::elastic(2e5, 200.0).viscosity(300.0))
+        .friction(0.5)
+}
+
 /// Two symptoms. Rows out of nothing, up to 5 cm deep: a rim that lifted off one face had its point under another; edges and
 /// corners counted as just arrived since they slid fast. And corners up to 11 cm deep in a block for good: the faces that
 /// they pressed bent round them, so that they seemed to have no business there any more.
@@ -66,14 +73,11 @@ fn what_is_squeezed_is_not_pushed_by_what_it_does_not_touch() {
                     .rotation(random.direction() * tilt),
                 shape.clone().friction(0.5).density(300.0),
             );
-            let block = DeformableBuilder::new(lattice(Vector::splat(0.3), 0.1))
-                .material(Material::elastic(2e5, 200.0).viscosity(300.0))
-                .friction(0.5);
             let mut set = DeformableWorld::default();
-            set.insert(block.clone().translation(Vector::Y * 0.16))
-                .unwrap();
+            set.insert(block().translation(Vector::Y * 0.16)).unwrap();
             let turn = Rotation::from_scaled_axis(random.direction() * turn);
-            set.insert(block.translation(above).rotation(turn)).unwrap();
+            set.insert(block().translation(above).rotation(turn))
+                .unwrap();
             let (mut rows, mut corners) = (Deepest(0.0), 0.0_f32);
             for _ in 0..120 {
                 set.step_with(&mut world, &(), &(), &mut rows);
@@ -118,9 +122,7 @@ fn what_hangs_over_a_rim_does_not_feel_the_far_one() {
         let sheet = DeformableBuilder::new(net)
             .material(Material::elastic(5.0e6, 1000.0).viscosity(2.0e4))
             .friction(0.5);
-        let block = DeformableBuilder::new(lattice(Vector::splat(0.3), 0.1))
-            .material(Material::elastic(2e5, 200.0).viscosity(300.0))
-            .friction(0.5)
+        let block = block()
             .translation(above)
             .rotation(Rotation::from_scaled_axis(turn));
         let mut set = DeformableWorld::default();
