@@ -7,6 +7,7 @@
 use super::posed::{Posed, Way};
 use super::touch::Touch;
 use crate::contact::closest::Feature;
+use crate::contact::site::Reach;
 use crate::math::DVec3;
 
 /// Two solids touch only where their surfaces look at each other: the cosine of their normals is less than this.
@@ -45,6 +46,8 @@ pub struct Query<'a> {
     pub other: Posed<'a>,
     /// Where the node is \[m\].
     pub x: DVec3,
+    /// How fast it moves \[m/s\].
+    pub v: DVec3,
     /// Pairs of the node and elements near it.
     pub near: &'a [(u32, u32)],
     /// What it touched in the last substep.
@@ -53,12 +56,12 @@ pub struct Query<'a> {
     pub sign: f64,
     /// The outward normal of the node's own body there; zero if that has two sides or no face there.
     pub own_normal: &'a dyn Fn() -> DVec3,
-    /// No row for what is farther off than this \[m\].
-    pub farthest: f64,
-    /// How much farther inside than `farthest` it can be without having touched \[m\].
+    /// How much farther inside it can be than it can have come in a substep \[m\].
     pub unseen: f64,
-    /// Distance that counts as touching \[m\].
-    pub touching: f64,
+    /// Distance that both keep from each other \[m\].
+    pub distance: f64,
+    /// What is near enough to that.
+    pub reach: Reach,
 }
 
 impl Query<'_> {
@@ -83,13 +86,8 @@ impl Query<'_> {
         if self.is_out_of_reach(apart) {
             return (apart, [None; 2]);
         }
-        let deepest = if self.known.is_empty() {
-            self.deepest_unknown()
-        } else {
-            f64::INFINITY
-        };
         let seen = self.see(&best);
-        let seen = seen.filter(|f| f.gap <= self.farthest && f.gap >= -deepest);
+        let seen = seen.filter(|f| f.gap <= self.farthest() && self.can_be(f));
         let Some(first) = seen else {
             return (apart, [None; 2]);
         };
@@ -101,20 +99,34 @@ impl Query<'_> {
     /// Whether a node that is `apart` m off all of them can touch nothing.
     pub fn is_out_of_reach(&self, apart: f64) -> bool {
         let most = if !self.other.outline.closed {
-            self.farthest
+            self.farthest()
         } else if self.known.is_empty() {
             // Under a rim the nearest element is not the one that bears the node.
-            self.deepest_unknown().max(RIM * self.touching)
+            self.deepest_unknown().max(RIM * self.reach.touching)
         } else {
             f64::INFINITY
         };
         apart > most
     }
 
-    /// How deep inside something can be that did not touch: not farther than the way of a substep. Where it seems to be, a
-    /// crumpled surface has turned inside out \[m\].
+    /// No row for what is farther off than this \[m\].
+    fn farthest(&self) -> f64 {
+        self.distance + self.reach.farthest
+    }
+
+    /// How deep inside something can be that did not touch, at most \[m\].
     fn deepest_unknown(&self) -> f64 {
-        self.farthest + self.unseen
+        self.farthest() + self.unseen
+    }
+
+    /// Whether the node can have come that deep since the last substep. If not, a crumpled surface has turned inside out, or
+    /// the node slid round an edge and this is not the face that bears it.
+    fn can_be(&self, found: &Found) -> bool {
+        let depths = self.known.iter().map(|t| t.depth);
+        let was = depths.fold(0.0, f64::max);
+        let other = self.other.velocity(found.element, found.weights);
+        let into = (other - self.v).dot(found.normal);
+        self.distance - found.gap <= was.max(self.distance) + self.reach.come(into) + self.unseen
     }
 
     /// The last normal, towards the node, of a touch with this element or one beside it.
@@ -142,7 +154,7 @@ impl Query<'_> {
             // would be caught by it, or be let down beside it.
             let back = self.way_back(-own)?;
             let slight = (self.x - self.other.point(back.element, back.weights)).length();
-            return (found.gap < 0.0 || slight < RIM * self.touching).then_some(back);
+            return (found.gap < 0.0 || slight < RIM * self.reach.touching).then_some(back);
         }
         if found.gap >= 0.0 {
             return Some(found);
@@ -160,7 +172,7 @@ impl Query<'_> {
             return Found::new(way, normal, way.way.dot(normal));
         }
         let length = way.squared.sqrt();
-        if length < self.touching {
+        if length < self.reach.touching {
             // On an edge or a corner: the way is noise, and one of the faces is what the node's own surface lies on.
             let against = (self.own_normal)();
             let normal = if against == DVec3::ZERO {
@@ -184,8 +196,10 @@ impl Query<'_> {
             }
             let way = self.other.nearest(element, self.x);
             let gap = way.way.dot(normal);
-            if gap <= 0.0 && best.as_ref().is_none_or(|b| way.squared < b.0) {
-                best = Some((way.squared, Found::new(&way, normal, gap)));
+            let found = Found::new(&way, normal, gap);
+            let nearer = best.as_ref().is_none_or(|b| way.squared < b.0);
+            if gap <= 0.0 && nearer && self.can_be(&found) {
+                best = Some((way.squared, found));
             }
         }
         best.map(|b| b.1)
@@ -201,7 +215,7 @@ impl Query<'_> {
             return Found::new(way, normal, way.way.dot(normal));
         }
         let length = way.squared.sqrt();
-        if length < 1e-3 * self.touching {
+        if length < 1e-3 * self.reach.touching {
             let normal = last.unwrap_or_else(|| {
                 let along = self.other.normal_at(way.element, way.nearest.feature);
                 along.try_normalize().unwrap_or(DVec3::Y)
@@ -239,7 +253,7 @@ impl Query<'_> {
                 let last = self.last(element);
                 last.is_some_and(|last| last.dot(found.normal) > 0.7)
             };
-            if found.gap <= self.farthest
+            if found.gap <= self.farthest()
                 && found.normal.dot(first.normal) < 0.7
                 && (found.gap >= 0.0 || known())
             {

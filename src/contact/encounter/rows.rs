@@ -81,6 +81,7 @@ impl Encounter {
             let query = Query {
                 other,
                 x: mine.at(node),
+                v: mine.state.velocity(node as usize),
                 near: &list[start..at],
                 known: touches.of(node, &mut from),
                 sign: if own == 0 { 1.0 } else { -1.0 },
@@ -92,9 +93,9 @@ impl Encounter {
                         DVec3::ZERO
                     }
                 },
-                farthest: self.manners.distance + reach.farthest,
                 unseen: self.unseen,
-                touching: reach.touching,
+                distance: self.manners.distance,
+                reach,
             };
             if query.known.is_empty() && query.is_out_of_reach(apart.at_least(start, self.way)) {
                 continue;
@@ -135,6 +136,7 @@ impl Encounter {
                 own: node.1,
                 other: found.element,
                 normal,
+                depth,
                 anchor: held.or(here),
                 carried: last.map_or(0.0, |t| t.carried),
                 impulse: last.map_or(Default::default(), |t| t.impulse),
@@ -227,6 +229,7 @@ impl Encounter {
                 own: pair[0],
                 other: pair[1],
                 normal: found.normal,
+                depth,
                 anchor: held.or(here),
                 carried: last.map_or(0.0, |t| t.carried),
                 impulse: last.map_or(Default::default(), |t| t.impulse),

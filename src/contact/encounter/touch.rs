@@ -16,6 +16,8 @@ pub struct Touch {
     pub other: u32,
     /// The normal of its row: on which side of a sheet it belongs, and through which face of a solid it came.
     pub normal: DVec3,
+    /// How deep it was \[m\].
+    pub depth: f64,
     /// Where friction holds it: the other's element and weights, or how far along both edges. `None` while it slides.
     pub anchor: Option<(u32, [f64; 3])>,
     /// Normal impulse of the arrival, which friction has not answered yet \[N·s\].

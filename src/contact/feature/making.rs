@@ -172,7 +172,7 @@ impl Making<'_, '_> {
 
     /// The rows of one point. A point that is deep below a face has come in through another one, unless it was known to touch,
     /// about as deep; then it leaves by the nearest. Points of `rims` are others for every face: this one is known where any
-    /// touched a face that looks about the same way.
+    /// touched a face that looks about the same way; over no face, it is beside a body and not as deep in it as it seems.
     pub(super) fn point(&mut self, p: u32, met: &[Met], rims: bool) {
         let mut any = false;
         for m in met.iter().filter(|m| !m.beside) {
@@ -195,7 +195,8 @@ impl Making<'_, '_> {
         {
             let on_rim = |[part, ..]: Key| rims && part == p;
             let alike = self.touches.deepest_along(nearest.normal, ALIKE, on_rim);
-            if nearest.excess <= deepest || alike.is_some() {
+            let as_deep = |before: f64| nearest.excess <= before;
+            if as_deep(deepest) || alike.is_some_and(|before| !nearest.beside || as_deep(before)) {
                 self.add_met(p, nearest);
             }
         }
