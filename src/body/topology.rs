@@ -26,6 +26,9 @@ impl Face {
     }
 }
 
+/// The nodes of a face that are next to the first and to the second end of one of its edges.
+pub type Wing = [u32; 2];
+
 /// Faces and edges of a body.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Topology {
@@ -34,9 +37,10 @@ pub struct Topology {
     /// Each edge of a face once, but for the diagonals of flat quads: whatever lies across a diagonal lies across two sides.
     /// Of a body without faces, its springs.
     pub edges: Vec<[u32; 2]>,
-    /// The third nodes of the triangles to the left and to the right of each edge, seen from outside; [`NONE`] on a border,
-    /// and between more than two triangles or such as don't agree on an outside. None of a body without faces.
-    pub wings: Vec<[u32; 2]>,
+    /// The faces to the left and to the right of each edge, seen from outside, by the next node from either end: of a triangle
+    /// its third one, twice. [`NONE`] on a border, and between more than two faces or such as don't agree on an outside. None
+    /// of a body without faces.
+    pub wings: Vec<[Wing; 2]>,
     /// Whether the faces enclose a volume: every edge belongs to two faces that agree on which side is outside. A surface
     /// that is open has no outside, and both sides count.
     pub closed: bool,
@@ -76,19 +80,27 @@ impl Topology {
             .map(|f| Some(Face::Triangle(*f)))
             .collect();
         let mut edges = Vec::with_capacity(sides.len());
-        let mut wings = Vec::new();
+        let mut at_edges = Vec::with_capacity(sides.len());
+        // By triangle.
+        let mut quads: Vec<Option<[u32; 4]>> = vec![None; faces.len()];
         for (&[a, b], sides) in &sides {
             match quad(at(a).distance(at(b)), [a, b], sides) {
                 None => {
                     edges.push([a, b]);
-                    wings.push(wings_of(a, sides));
+                    at_edges.push(sides);
                 }
                 Some((first, second, nodes)) => {
                     faces[first] = Some(Face::Quad(nodes));
                     faces[second] = None;
+                    quads[first] = Some(nodes);
+                    quads[second] = Some(nodes);
                 }
             }
         }
+        let wings = edges.iter().zip(at_edges);
+        let wings = wings
+            .map(|(e, sides)| wings_of(e[0], sides, &quads))
+            .collect();
         if blueprint.faces.is_empty() {
             edges = blueprint.springs.iter().map(|s| s.nodes).collect();
         }
@@ -115,20 +127,23 @@ struct Side {
     longest_other: f64,
 }
 
-/// The third nodes to the left and to the right of an edge from node `a`.
-fn wings_of(a: u32, sides: &[Side]) -> [u32; 2] {
+/// The faces to the left and to the right of an edge from node `a`; of each triangle the quad that it is part of is given.
+fn wings_of(a: u32, sides: &[Side], quads: &[Option<[u32; 4]>]) -> [Wing; 2] {
+    const NEITHER: Wing = [NONE; 2];
     let wing = |s: &Side| {
-        if s.from == a {
-            [s.opposite, NONE]
-        } else {
-            [NONE, s.opposite]
-        }
+        let quad = quads[s.face].and_then(|nodes| {
+            let k = nodes.iter().position(|&node| node == s.from)?;
+            Some([nodes[(k + 3) % 4], nodes[(k + 2) % 4]])
+        });
+        let [from, to] = quad.unwrap_or([s.opposite; 2]);
+        if s.from == a { [from, to] } else { [to, from] }
     };
     match sides {
-        [only] => wing(only),
-        [first, second] if first.from == a && second.from != a => [first.opposite, second.opposite],
-        [first, second] if second.from == a && first.from != a => [second.opposite, first.opposite],
-        _ => [NONE; 2],
+        [only] if only.from == a => [wing(only), NEITHER],
+        [only] => [NEITHER, wing(only)],
+        [first, second] if first.from == a && second.from != a => [wing(first), wing(second)],
+        [first, second] if second.from == a && first.from != a => [wing(second), wing(first)],
+        _ => [NEITHER; 2],
     }
 }
 
@@ -170,8 +185,13 @@ mod tests {
         let net = shape::lattice(Vector::ONE, 0.5).unwrap();
         let at = |i: u32| wide(net.nodes[i as usize].position);
         for (&[a, b], &[left, right]) in block.edges.iter().zip(&block.wings) {
-            let outward = (at(b) - at(a)).cross(at(left) - at(right));
-            assert!(outward.dot(at(a) + at(b)) > 0.0);
+            // The faces are squares.
+            for k in 0..2 {
+                let along = at(b) - at(a);
+                let outward = along.cross(at(left[k]) - at(right[k]));
+                assert!(outward.dot(at(a) + at(b)) > 0.0);
+                assert_eq!((at(left[k]) - at([a, b][k])).dot(along), 0.0);
+            }
         }
         // Euler: V − E + F = 2.
         assert_eq!(block.faces.len(), 24);

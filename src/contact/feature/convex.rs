@@ -321,7 +321,7 @@ impl Making<'_, '_> {
         if open && self.skin + part.solid.edge_radius() > self.site.reach.touching {
             part.solid.for_each_corner(a, b, most, &mut |c| {
                 // What is over a face beside the edge is that face's.
-                let flanks = self.flanks(e, corners);
+                let flanks = self.flanks(e, corners, c.t);
                 if flanks.iter().all(|flank| flank.dot(c.normal) >= 0.0) {
                     cross(self, c);
                 }

@@ -47,22 +47,14 @@ impl Making<'_, '_> {
         let (beside, Some(foot)) = self.foot(&patch, p) else {
             return (apart, None);
         };
+        let last = self.last_normal(key, foot.normal);
         let outward = if topology.closed {
             foot.normal
         } else {
-            let nodes = topology.faces[f as usize].nodes();
-            let beside = |[_, id, other]: Key| {
-                let face = topology.faces.get(other as usize);
-                id == corner.id && face.is_some_and(|face| share_node(face.nodes(), nodes))
-            };
-            let touches = &self.touches;
-            let last = touches.normal(key);
-            let last = last.or_else(|| touches.normal_along(foot.normal, beside));
-            let known = last.filter(|last| last.dot(foot.normal).abs() > ALIKE);
-            let side = known.map_or(p - foot.point, |last| -last);
+            let side = last.map_or(p - foot.point, |last| -last);
             foot.normal * 1.0_f64.copysign(foot.normal.dot(side))
         };
-        if !can_push(cone.iter().copied(), -outward, touched) {
+        if !can_push(cone.iter().copied(), -outward, last.is_some()) {
             return (apart, None);
         }
         let met = self.over(
@@ -72,6 +64,20 @@ impl Making<'_, '_> {
             self.deepest_point(),
         );
         (apart, met)
+    }
+
+    /// The normal that a point had when it last touched this face or one beside it that looks about the same way.
+    pub(super) fn last_normal(&self, key: Key, normal: DVec3) -> Option<DVec3> {
+        let faces = &self.site.side.topology.faces;
+        let [part, point, f] = key;
+        let nodes = faces[f as usize].nodes();
+        let beside = |[p, id, other]: Key| {
+            let face = faces.get(other as usize);
+            p == part && id == point && face.is_some_and(|face| share_node(face.nodes(), nodes))
+        };
+        let last = self.touches.normal(key);
+        let last = last.or_else(|| self.touches.normal_along(normal, beside));
+        last.filter(|last| last.dot(normal).abs() > ALIKE)
     }
 
     /// Adds the row of an edge and one of the `edges` of the target that cross, and returns how far they are from each other, or less \[m\].
@@ -94,7 +100,7 @@ impl Making<'_, '_> {
             return apart;
         };
         let way = corners[0].lerp(corners[1], t) - edge.ends[0].lerp(edge.ends[1], s);
-        let flanks = self.flanks(e, corners);
+        let flanks = self.flanks(e, corners, t);
         let beside = |[own, id, _]: Key| {
             if own == e {
                 let i = edges.binary_search_by_key(&id, |other| other.id);
@@ -121,7 +127,8 @@ impl Making<'_, '_> {
             (last.unwrap_or(side), last)
         };
         let normal = across * 1.0_f64.copysign(across.dot(side));
-        let can_push = |flanks: [DVec3; 2], way| can_push(flanks, way, touched);
+        let slid_on = last.is_some();
+        let can_push = |flanks: [DVec3; 2], way| can_push(flanks, way, touched || slid_on);
         if can_push(flanks, -normal) && can_push(edge.flanks(), normal) {
             let before = self.site.rows.contacts.len();
             let distance = way.dot(normal);
@@ -142,16 +149,18 @@ impl Making<'_, '_> {
         apart
     }
 
-    /// The unit directions from an edge into its faces, left and right, square to it; 0 for what is not there.
-    pub(super) fn flanks(&self, e: u32, [a, b]: [DVec3; 2]) -> [DVec3; 2] {
+    /// The unit directions from a place on an edge, at `t` of its length, into its faces, left and right, square to it; 0 for
+    /// what is not there.
+    pub(super) fn flanks(&self, e: u32, [a, b]: [DVec3; 2], t: f64) -> [DVec3; 2] {
         let wings = self.site.side.topology.wings.get(e as usize);
         let along = along([a, b]);
         wings.map_or([DVec3::ZERO; 2], |wings| {
-            wings.map(|node| {
-                if node == NONE {
+            wings.map(|nodes| {
+                if nodes.contains(&NONE) {
                     return DVec3::ZERO;
                 }
-                let into = self.frame.to_local(self.site.side.state, node) - a;
+                let [next_to_a, next_to_b] = self.ends(&nodes);
+                let into = (next_to_a - a).lerp(next_to_b - b, t);
                 (into - along * into.dot(along)).normalize_or_zero()
             })
         })
