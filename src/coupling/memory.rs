@@ -26,8 +26,8 @@ pub struct BodyMemory {
     pub seen: u64,
 }
 
-/// How much of the answer that was computed for it a constrained body gives: for links of multibodies, and for jointed
-/// bodies that also press on others or have limits, motors or soft joints.
+/// How much of the answer that was computed for it a constrained body gives: for links of multibodies, and for
+/// bodies in joints that shadows can't keep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde-serialize",

@@ -3,6 +3,7 @@
 
 pub mod basis;
 pub mod elastic;
+pub mod joint;
 pub mod plastic;
 pub mod row;
 pub mod spring;

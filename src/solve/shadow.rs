@@ -32,7 +32,8 @@ pub struct Shadow {
     pub acceleration: DVec3,
     /// Angular acceleration by user torques \[rad/s²\], scaled likewise.
     pub spin_up: DVec3,
-    /// Half the length of Rapier's solver iterations \[s\], see [`Self::synchronise`]; 0 for what is not free.
+    /// Half the length of Rapier's solver iterations \[s\], see [`Self::synchronise`]; 0 for what is not free or
+    /// is driven by a motor.
     pub lead: f64,
     /// Linear and angular damping \[1/s\].
     pub damping: (f64, f64),

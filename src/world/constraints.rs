@@ -7,7 +7,7 @@ use crate::coupling::constraints::{RigidConstraints, RigidContact, RigidJoint};
 use crate::coupling::memory::BodyMemory;
 use crate::coupling::observe::{Answer, Surroundings};
 use crate::math::DVec3;
-use crate::solve::rows::{JointRow, RigidRow};
+use crate::solve::rows::{Joint, JointRow, RigidRow};
 use std::collections::{BTreeMap, BTreeSet};
 
 impl Group {
@@ -42,20 +42,50 @@ impl Group {
                 }
             }
         }
+        self.take_driven_as_they_are();
+    }
+
+    /// What a motor drives, and what is joined to that, may rest on the motor: gravity is not all that accelerates it, and
+    /// half an iteration of gravity alone, see [`Shadow::synchronise`](crate::solve::shadow::Shadow::synchronise), would set
+    /// it swinging by 5 mm/s in every step.
+    fn take_driven_as_they_are(&mut self) {
+        let mut driven = vec![false; self.shadows.len()];
+        let mut more = true;
+        while std::mem::take(&mut more) {
+            for row in &self.rows.joints {
+                let sides = row.joint.shadows.map(|i| i as usize);
+                let moves = |i: &usize| self.shadows[*i].gives_way();
+                if row.has_motor() || sides.iter().filter(|i| moves(i)).any(|i| driven[*i]) {
+                    for i in sides.into_iter().filter(moves) {
+                        more |= !std::mem::replace(&mut driven[i], true);
+                    }
+                }
+            }
+        }
+        for (shadow, _) in self.shadows.iter_mut().zip(driven).filter(|(_, d)| *d) {
+            shadow.lead = 0.0;
+        }
     }
 
     fn add_joint(&mut self, shadows: [u32; 2], joint: &RigidJoint) {
         let sides = shadows.map(|i| self.shadows[i as usize]);
         let anchor = |k: usize| sides[k].rot.inverse() * (joint.anchors[k] - sides[k].com);
         let opening = joint.anchors[1] - joint.anchors[0];
-        self.rows.joints.push(JointRow {
+        let along = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| opening.dot(joint.frames[0] * axis));
+        let per_mass = joint.per_mass;
+        let joint = Joint {
             shadows,
             anchors: [anchor(0), anchor(1)],
-            axes: joint.axes.map(|axis| sides[0].rot.inverse() * axis),
+            frames: [0, 1].map(|k| sides[k].rot.inverse() * joint.frames[k]),
             locked: joint.locked,
-            open: DVec3::from_array(joint.axes.map(|axis| opening.dot(axis))),
-            ..JointRow::default()
-        });
+            coupled: joint.coupled,
+            limits: joint.limits,
+            motors: joint.motors,
+            solver_step: joint.solver_step,
+            open: DVec3::from_array(along),
+        };
+        let row = JointRow::new(joint, per_mass, &self.shadows);
+        self.rows.joints.push(row);
     }
 
     fn add_rigid_contact(&mut self, shadows: [u32; 2], contact: &RigidContact, dt: f64) {
@@ -86,7 +116,7 @@ impl Group {
                 pressed[shadow as usize] = true;
             }
         }
-        for shadow in self.rows.joints.iter().flat_map(|j| j.shadows) {
+        for shadow in self.rows.joints.iter().flat_map(|j| j.joint.shadows) {
             pressed[shadow as usize] = true;
         }
         for (touched, pressed) in self.touched.iter_mut().zip(&pressed[1..]) {

@@ -1,10 +1,12 @@
-//! Joints that shadows can keep: all but those with limits, motors or springs.
+//! Joints that shadows can keep, as Rapier reads them: all but soft ones, and those whose turns about two axes count as one.
 
 use crate::contact::target::wide_rotation;
 use crate::coupling::observe::Surroundings;
+use crate::law::joint::Motor;
 use crate::math::{DQuat, DVec3, wide};
 use rapier3d::dynamics::{
-    GenericJoint, ImpulseJoint, ImpulseJointHandle, RigidBody, RigidBodyHandle,
+    GenericJoint, ImpulseJoint, ImpulseJointHandle, JointAxesMask, MotorModel, RigidBody,
+    RigidBodyHandle,
 };
 use rapier3d::math::Pose;
 use std::collections::BTreeSet;
@@ -16,10 +18,20 @@ pub struct RigidJoint {
     pub bodies: [RigidBodyHandle; 2],
     /// The anchor on each \[m\].
     pub anchors: [DVec3; 2],
-    /// Its axes on the first.
-    pub axes: [DVec3; 3],
-    /// Which displacements along these axes, and turns about them, are locked.
+    /// The joint's axes on each.
+    pub frames: [DQuat; 2],
+    /// Which displacements along the axes of the first, and turns about them, are locked.
     pub locked: [bool; 6],
+    /// Displacements that count as one, the distance.
+    pub coupled: [bool; 3],
+    /// Limits of those that are not locked; of the distance at the first that it consists of \[m, rad\].
+    pub limits: [Option<[f64; 2]>; 6],
+    /// Their motors, likewise.
+    pub motors: [Option<Motor>; 6],
+    /// Whether stiffness and damping of these are per mass or moment of inertia.
+    pub per_mass: [bool; 6],
+    /// Length of Rapier's solver iterations \[s\].
+    pub solver_step: f64,
 }
 
 /// The joints of a body.
@@ -31,8 +43,8 @@ pub fn of<'a>(
     joints.map(|(_, _, handle, joint)| (handle, joint))
 }
 
-/// The bodies that joints hold together with `body`, itself included, if all of these joints are plain and none of the
-/// bodies is a link of a multibody.
+/// The bodies that joints hold together with `body`, itself included, if shadows can keep all of these joints and
+/// none of the bodies is a link of a multibody.
 pub fn linkage(
     body: RigidBodyHandle,
     around: &Surroundings,
@@ -47,7 +59,7 @@ pub fn linkage(
             return None;
         }
         for (_, joint) in of(current, around) {
-            if !is_plain(&joint.data, dt) {
+            if !is_kept(&joint.data, dt) {
                 return None;
             }
             for other in [joint.body1(), joint.body2()] {
@@ -61,11 +73,12 @@ pub fn linkage(
     Some(found)
 }
 
-fn is_plain(joint: &GenericJoint, dt: f64) -> bool {
-    let free = !joint.locked_axes.bits();
-    (joint.limit_axes | joint.motor_axes).bits() & free == 0
-        && joint.coupled_axes.is_empty()
-        && !is_soft(joint, dt)
+/// Whether shadows can keep a joint.
+fn is_kept(joint: &GenericJoint, dt: f64) -> bool {
+    let coupled = joint.coupled_axes & JointAxesMask::ANG_AXES;
+    let cone = coupled.intersects(joint.limit_axes);
+    let clash = joint.coupled_axes.intersects(joint.locked_axes);
+    !cone && !clash && !is_soft(joint, dt)
 }
 
 /// Whether a joint gives way for longer than a step of `dt` s.
@@ -73,24 +86,66 @@ pub fn is_soft(joint: &GenericJoint, dt: f64) -> bool {
     f64::from(joint.softness.natural_frequency) * dt < 1.0
 }
 
-/// Where the joint holds its bodies.
-pub fn held(joint: &ImpulseJoint, around: &Surroundings) -> Option<RigidJoint> {
-    let bodies = [joint.body1(), joint.body2()];
+/// What the joint does to its bodies in a step of `dt` s.
+pub fn held(joint: &ImpulseJoint, around: &Surroundings, dt: f64) -> Option<RigidJoint> {
+    let handles = [joint.body1(), joint.body2()];
     let data = &joint.data;
-    let frame = |handle: RigidBodyHandle, local: &Pose| -> Option<(DVec3, DQuat)> {
-        let body: &RigidBody = around.bodies.get(handle)?;
+    let bodies = [
+        around.bodies.get(handles[0])?,
+        around.bodies.get(handles[1])?,
+    ];
+    let frame = |body: &RigidBody, local: &Pose| -> (DVec3, DQuat) {
         let pose = body.position();
         let rot = wide_rotation(pose.rotation);
         let at = wide(pose.translation) + rot * wide(local.translation);
-        Some((at, rot * wide_rotation(local.rotation)))
+        (at, rot * wide_rotation(local.rotation))
     };
-    let (first, turn) = frame(bodies[0], &data.local_frame1)?;
-    let (second, _) = frame(bodies[1], &data.local_frame2)?;
-    let locked = data.locked_axes.bits();
+    let (first, one) = frame(bodies[0], &data.local_frame1);
+    let (second, two) = frame(bodies[1], &data.local_frame2);
+    let is_in = |mask: JointAxesMask, i: usize| mask.bits() & (1 << i) != 0;
+    let axes = [0, 1, 2, 3, 4, 5];
+    // Of what is coupled the first counts; Rapier couples no motors of turns.
+    let coupled = data.coupled_axes;
+    let distance = (0..3).find(|i| is_in(coupled, *i));
+    let counts = |i: usize| {
+        let alone = !is_in(coupled, i) || distance == Some(i);
+        alone && !is_in(data.locked_axes, i)
+    };
+    let limits = axes.map(|i| {
+        let limits = [data.limits[i].min, data.limits[i].max].map(f64::from);
+        // A distance has no lower limit in Rapier.
+        let limits = if distance == Some(i) {
+            [f64::NEG_INFINITY, limits[1]]
+        } else {
+            limits
+        };
+        (counts(i) && is_in(data.limit_axes, i)).then_some(limits)
+    });
+    let motors = axes.map(|i| {
+        let of_distance = distance == Some(i)
+            && data
+                .motor_axes
+                .intersects(coupled & JointAxesMask::LIN_AXES);
+        let motor = &data.motors[i];
+        (counts(i) && (is_in(data.motor_axes, i) || of_distance)).then(|| Motor {
+            place: motor.target_pos.into(),
+            velocity: motor.target_vel.into(),
+            stiffness: motor.stiffness.into(),
+            damping: motor.damping.into(),
+            max_force: motor.max_force.into(),
+        })
+    });
+    let iterations = bodies.map(|b| b.additional_solver_iterations());
+    let iterations = around.parameters.num_solver_iterations + iterations[0].max(iterations[1]);
     Some(RigidJoint {
-        bodies,
+        bodies: handles,
         anchors: [first, second],
-        axes: [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| turn * axis),
-        locked: [0, 1, 2, 3, 4, 5].map(|i| locked & (1 << i) != 0),
+        frames: [one, two],
+        locked: axes.map(|i| is_in(data.locked_axes, i)),
+        coupled: [0, 1, 2].map(|i| is_in(coupled, i)),
+        limits,
+        motors,
+        per_mass: axes.map(|i| data.motors[i].model == MotorModel::AccelerationBased),
+        solver_step: dt / iterations.max(1) as f64,
     })
 }

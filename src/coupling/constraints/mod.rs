@@ -70,7 +70,7 @@ impl RigidConstraints {
             found.followed.insert(handle.into_raw_parts());
             for (number, joint) in joints::of(handle, around) {
                 if held.insert(number.into_raw_parts())
-                    && let Some(joint) = joints::held(joint, around)
+                    && let Some(joint) = joints::held(joint, around, dt)
                 {
                     found.add_joint(joint);
                 }

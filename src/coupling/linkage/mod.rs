@@ -6,11 +6,12 @@
 //! back where the body really went. The constraints are taken in one after the other, each by an update of rank one; a
 //! redundant one finds nothing left to do.
 //!
-//! Shadows keep most joints themselves. This is for bodies of which one has limits, motors or a soft joint, which they can't.
+//! Shadows keep most joints themselves, with their limits and motors. This is for bodies of which one has a soft joint, one with
+//! a limit of the turns about two axes together, or is a link of a multibody, which they can't.
 //!
 //! A rigid contact that presses counts as a joint too, and holds along the surface as long as it does not slide. That is
 //! right while it lasts, which nobody knows beforehand. So where there are contacts, and where there are limits, motors or
-//! soft joints, which are left out, a measured ratio scales the answer.
+//! soft joints, which are left out here, a measured ratio scales the answer.
 
 mod bodies;
 mod contacts;

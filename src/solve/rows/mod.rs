@@ -30,7 +30,7 @@ use crate::solve::shadow::Shadow;
 use climb::Attempt;
 use composite::Composites;
 pub use contact::Row;
-pub use joint::JointRow;
+pub use joint::{Joint, JointRow};
 pub use rigid::RigidRow;
 use rigid::start_rigid;
 use settled::Settled;

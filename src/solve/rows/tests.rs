@@ -1,5 +1,6 @@
 mod composite;
 mod energy;
+mod joint;
 mod supports;
 
 use super::*;

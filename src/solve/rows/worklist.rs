@@ -116,6 +116,6 @@ impl Between for RigidRow {
 
 impl Between for JointRow {
     fn shadows(&self) -> [u32; 2] {
-        self.shadows
+        self.joint.shadows
     }
 }

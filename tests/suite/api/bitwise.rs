@@ -26,10 +26,7 @@ fn pile() -> PhysicsWorld {
             .angvel(Vector::new(0.1 * i as f32, 0.5, -0.3));
         let (body, _) = world.insert(at, collider.friction(0.6).restitution(0.2));
         if let Some(last) = last.filter(|_| i % 4 == 1) {
-            let joint = SphericalJointBuilder::new()
-                .local_anchor1(Vector::new(0.0, 0.2, 0.0))
-                .local_anchor2(Vector::new(0.0, -0.2, 0.0));
-            world.insert_impulse_joint(last, body, joint);
+            world.insert_impulse_joint(last, body, joint(i / 4));
         }
         last = Some(body);
     }
@@ -40,6 +37,24 @@ fn pile() -> PhysicsWorld {
         .linvel(Vector::X * 0.5);
     world.insert(paddle, ColliderBuilder::cuboid(0.1, 0.3, 0.3));
     world
+}
+
+/// Of another kind each time: with and without limits, motors and springs.
+fn joint(kind: usize) -> GenericJoint {
+    let mut joint: GenericJoint = match kind {
+        0 => SphericalJointBuilder::new().into(),
+        1 => RevoluteJointBuilder::new(Vector::Z)
+            .limits([-0.5, 0.5])
+            .into(),
+        2 => RevoluteJointBuilder::new(Vector::X)
+            .motor_velocity(3.0, 1.0)
+            .into(),
+        3 => RopeJointBuilder::new(0.3).into(),
+        _ => SpringJointBuilder::new(0.2, 100.0, 1.0).into(),
+    };
+    joint.set_local_anchor1(Vector::new(0.0, 0.2, 0.0));
+    joint.set_local_anchor2(Vector::new(0.0, -0.2, 0.0));
+    joint
 }
 
 #[test]

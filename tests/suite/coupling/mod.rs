@@ -5,6 +5,7 @@ mod attached;
 mod carried;
 mod heap;
 mod impact;
+mod joints;
 mod rest;
 mod soft;
 mod stick;

@@ -1,0 +1,187 @@
+//! The law of a joint's axis that is neither free nor locked: it has limits, a motor, or both.
+//!
+//! A motor is a spring and a damper towards a place and a velocity. Rapier takes its force at the end of each of its solver
+//! iterations, h_r s long, which gives it in the mean the place of ½·h_r later; so does this, in whatever substep. In one of
+//! h_r it is Rapier's own row. A limit lets the axis come as far as it reaches within the substep, and no farther.
+
+/// What drives an axis; metres and newtons along it, or radians and newton metres about it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motor {
+    /// Place that is aimed at \[m, rad\].
+    pub place: f64,
+    /// Velocity that is aimed at \[m/s, rad/s\].
+    pub velocity: f64,
+    /// \[N/m, N·m/rad\].
+    pub stiffness: f64,
+    /// \[N·s/m, N·m·s/rad\]. Without either the motor is as stiff as its force lets it be, as Rapier's is.
+    pub damping: f64,
+    /// Most that it exerts \[N, N·m\].
+    pub max_force: f64,
+}
+
+/// What an axis is to do in a substep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive {
+    /// Velocity that the motor aims at with its softness: v + softness·impulse = aim.
+    aim: f64,
+    softness: f64,
+    /// Most impulse of the motor.
+    most: f64,
+    /// Velocities that reach the limits at the end of the substep, or 0 where they are reached already.
+    range: [f64; 2],
+}
+
+impl Drive {
+    /// That of `motor`, of which the axis is `off` its place \[m, rad\], in a substep of `h` s where Rapier's are of `step`.
+    pub fn new(motor: Option<&Motor>, off: f64, h: f64, step: f64) -> Self {
+        let mut drive = Self {
+            aim: 0.0,
+            softness: 0.0,
+            most: 0.0,
+            range: [f64::NEG_INFINITY, f64::INFINITY],
+        };
+        if let Some(motor) = motor {
+            let pull = motor.stiffness * (0.5 * (h + step)) + motor.damping;
+            drive.aim = motor.velocity;
+            if pull > 0.0 {
+                drive.aim -= motor.stiffness * off / pull;
+                drive.softness = 1.0 / (h * pull);
+            }
+            drive.most = motor.max_force * h;
+        }
+        drive
+    }
+
+    /// Keeps the axis from going farther than `to` the one limit and the other \[m, rad\]: down to `to[0]` ≤ 0, up to
+    /// `to[1]` ≥ 0. What is beyond a limit already is not brought back.
+    pub fn limit(&mut self, to: [f64; 2], h: f64) {
+        self.range = [to[0].min(0.0) / h, to[1].max(0.0) / h];
+    }
+
+    /// Whether nothing pushes the axis unless it reaches a limit.
+    pub fn is_limited(&self) -> bool {
+        self.range != [f64::NEG_INFINITY, f64::INFINITY]
+    }
+
+    /// The impulse in all, of motor and limits, if it was `before`, which has left the axis at `velocity`, and a unit of it
+    /// adds `response`.
+    pub fn impulse(&self, before: f64, velocity: f64, response: f64) -> f64 {
+        if response <= 0.0 {
+            return before;
+        }
+        let alone = velocity - response * before;
+        let motor = (self.aim - alone) / (response + self.softness);
+        let driven = alone + response * motor.min(self.most).max(-self.most);
+        (driven.max(self.range[0]).min(self.range[1]) - alone) / response
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SPRING: Motor = Motor {
+        place: 0.0,
+        velocity: 0.0,
+        stiffness: 50.0,
+        damping: 1.5,
+        max_force: f64::MAX,
+    };
+
+    /// Of 2 kg in steps of h, started at 0.1 m: places after `time`.
+    fn swing(motor: &Motor, h: f64, step: f64, time: f64) -> f64 {
+        let (mut x, mut v, m) = (0.1, 0.0, 2.0);
+        for _ in 0..(time / h).round() as usize {
+            let drive = Drive::new(Some(motor), x - motor.place, h, step);
+            v += drive.impulse(0.0, v, 1.0 / m) / m;
+            x += v * h;
+        }
+        x
+    }
+
+    /// x(t) of a spring and damper in closed form, with the damping that comes of forces half a solver iteration late. The
+    /// velocity stands half a substep before.
+    #[test]
+    fn a_motor_is_a_spring_and_a_damper() {
+        for (stiffness, damping, step) in [(50.0, 1.5, 0.0), (50.0, 0.0, 4e-3), (800.0, 6.0, 1e-3)]
+        {
+            let motor = Motor {
+                stiffness,
+                damping,
+                ..SPRING
+            };
+            let (m, h) = (2.0, 1e-5);
+            let c = damping + 0.5 * stiffness * step;
+            let (decay, time) = (c / (2.0 * m), 0.7_f64);
+            let w = (stiffness / m - decay * decay).sqrt();
+            let exact =
+                0.1 * (-decay * time).exp() * ((w * time).cos() + decay / w * (w * time).sin());
+            let x = swing(&motor, h, step, time);
+            assert!((x - exact).abs() < 1e-5, "{x} {exact}");
+        }
+    }
+
+    /// In a substep as long as Rapier's it is the row of Rapier: implicit Euler.
+    #[test]
+    fn in_rapiers_step_it_is_rapiers_row() {
+        let (h, k, c) = (0.01, SPRING.stiffness, SPRING.damping);
+        let (x, v, m) = (0.1, 0.3, 2.0);
+        let j = Drive::new(Some(&SPRING), x, h, h).impulse(0.0, v, 1.0 / m);
+        let after = v + j / m;
+        assert!((j + h * (k * (x + h * after) + c * after)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn it_exerts_no_more_than_its_force() {
+        let motor = Motor {
+            velocity: 5.0,
+            max_force: 3.0,
+            ..SPRING
+        };
+        for (velocity, force) in [(-100.0, 3.0), (100.0, -3.0)] {
+            let drive = Drive::new(Some(&motor), 0.0, 0.01, 0.01);
+            assert!((drive.impulse(0.0, velocity, 0.5) / 0.01 - force).abs() < 1e-12);
+        }
+    }
+
+    /// Whatever it starts from, the impulse leaves the axis within its limits, and is none where it is within them anyway.
+    #[test]
+    fn a_limit_stops_and_never_pulls() {
+        let h = 0.01;
+        let mut drive = Drive::new(None, 0.0, h, h);
+        assert!(!drive.is_limited());
+        drive.limit([-0.02, f64::INFINITY], h);
+        assert!(drive.is_limited());
+        for (velocity, left) in [(-5.0, -2.0), (-2.0, -2.0), (-1.0, -1.0), (7.0, 7.0)] {
+            for before in [0.0, 1.5] {
+                let now = velocity + 0.5 * before;
+                let j = drive.impulse(before, now, 0.5);
+                assert!((velocity + 0.5 * j - left).abs() < 1e-12, "{velocity}: {j}");
+                assert!(j >= 0.0);
+            }
+        }
+        // Beyond a limit it goes no farther, and back freely.
+        drive.limit([0.1, f64::INFINITY], h);
+        assert_eq!(drive.impulse(0.0, -1.0, 0.5), 2.0);
+        assert_eq!(drive.impulse(0.0, 1.0, 0.5), 0.0);
+    }
+
+    /// The limit takes what the motor gives against it, which gives no more than its force.
+    #[test]
+    fn a_motor_presses_on_its_limit() {
+        let motor = Motor {
+            velocity: -1.0,
+            stiffness: 0.0,
+            damping: 1e9,
+            max_force: 30.0,
+            place: 0.0,
+        };
+        let h = 0.01;
+        let mut drive = Drive::new(Some(&motor), 0.0, h, h);
+        drive.limit([0.0, 1.0], h);
+        assert_eq!(drive.impulse(0.0, 0.0, 0.5), 0.0);
+        // It helps to stop what comes up against it.
+        assert!((drive.impulse(0.0, 0.1, 0.5) + 0.2).abs() < 1e-12);
+        assert!((drive.impulse(0.0, 1.0, 0.5) + 0.3).abs() < 1e-12);
+    }
+}
