@@ -255,7 +255,7 @@ impl Query<'_> {
             };
             if found.gap <= self.farthest()
                 && found.normal.dot(first.normal) < 0.7
-                && (found.gap >= 0.0 || known())
+                && (found.gap >= 0.0 || known() && self.can_be(&found))
             {
                 best = Some((way.squared, found));
             }

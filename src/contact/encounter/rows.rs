@@ -189,8 +189,10 @@ impl Encounter {
                 if let Some(found) = found {
                     let draft = self.draft_edges(pair, &found, last, bodies, &reach);
                     let into = -draft.velocity(bodies).dot(found.normal);
-                    // Edges that did not touch cannot have passed each other by more than they come within a substep.
-                    if last.is_some() || -found.gap <= reach.come(into) {
+                    // Edges cannot have passed each other by more since the last substep than they come within one.
+                    let distance = self.manners.distance;
+                    let was = last.map_or(0.0, |t| (t.depth - distance).max(0.0));
+                    if -found.gap <= was + reach.come(into) {
                         self.push(draft, touches, bodies, rows, reach);
                     }
                 }
