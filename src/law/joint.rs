@@ -52,27 +52,48 @@ impl Drive {
         drive
     }
 
-    /// Keeps the axis from going farther than `to` the one limit and the other \[m, rad\]: down to `to[0]` ≤ 0, up to
-    /// `to[1]` ≥ 0. What is beyond a limit already is not brought back.
-    pub fn limit(&mut self, to: [f64; 2], h: f64) {
-        self.range = [to[0].min(0.0) / h, to[1].max(0.0) / h];
+    /// Lets the motor give way as Rapier's does, which solves motors apart from locked axes: by Gauss–Seidel, in so many
+    /// `sweeps` of an iteration. A unit of impulse adds the velocity `alone` to the axis, and `held` with what the locked ones
+    /// answer: of what is missing, each sweep leaves (alone − held)/(alone + softness), and that to the power of the sweeps
+    /// is as good as more softness.
+    pub fn give_way(
+        &mut self,
+        motor: &Motor,
+        [alone, held]: [f64; 2],
+        sweeps: i32,
+        h: f64,
+        step: f64,
+    ) {
+        let pull = motor.stiffness * step + motor.damping;
+        let softness = if pull > 0.0 { 1.0 / (step * pull) } else { 0.0 };
+        let left = ((alone - held) / (alone + softness)).powi(sweeps);
+        if held > 0.0 && left > 0.0 && left < 1.0 {
+            self.softness += (held + softness) * left / (1.0 - left) * step / h;
+        }
     }
 
-    /// Whether nothing pushes the axis unless it reaches a limit.
-    pub fn is_limited(&self) -> bool {
-        self.range != [f64::NEG_INFINITY, f64::INFINITY]
+    /// Keeps the axis from going farther than `to` the one limit and the other \[m, rad\]: down to `to[0]` ≤ 0, up to
+    /// `to[1]` ≥ 0. What is beyond a limit already is not brought back; what is no number limits nothing.
+    pub fn limit(&mut self, [down, up]: [f64; 2], h: f64) {
+        if down <= f64::INFINITY {
+            self.range[0] = down.min(0.0) / h;
+        }
+        if up >= f64::NEG_INFINITY {
+            self.range[1] = up.max(0.0) / h;
+        }
     }
 
     /// The impulse in all, of motor and limits, if it was `before`, which has left the axis at `velocity`, and a unit of it
-    /// adds `response`.
-    pub fn impulse(&self, before: f64, velocity: f64, response: f64) -> f64 {
+    /// adds `response`; and whether a limit has a part in it.
+    pub fn impulse(&self, before: f64, velocity: f64, response: f64) -> (f64, bool) {
         if response <= 0.0 {
-            return before;
+            return (before, false);
         }
         let alone = velocity - response * before;
         let motor = (self.aim - alone) / (response + self.softness);
         let driven = alone + response * motor.min(self.most).max(-self.most);
-        (driven.max(self.range[0]).min(self.range[1]) - alone) / response
+        let within = driven.max(self.range[0]).min(self.range[1]);
+        ((within - alone) / response, within != driven)
     }
 }
 
@@ -93,7 +114,7 @@ mod tests {
         let (mut x, mut v, m) = (0.1, 0.0, 2.0);
         for _ in 0..(time / h).round() as usize {
             let drive = Drive::new(Some(motor), x - motor.place, h, step);
-            v += drive.impulse(0.0, v, 1.0 / m) / m;
+            v += drive.impulse(0.0, v, 1.0 / m).0 / m;
             x += v * h;
         }
         x
@@ -126,7 +147,7 @@ mod tests {
     fn in_rapiers_step_it_is_rapiers_row() {
         let (h, k, c) = (0.01, SPRING.stiffness, SPRING.damping);
         let (x, v, m) = (0.1, 0.3, 2.0);
-        let j = Drive::new(Some(&SPRING), x, h, h).impulse(0.0, v, 1.0 / m);
+        let (j, _) = Drive::new(Some(&SPRING), x, h, h).impulse(0.0, v, 1.0 / m);
         let after = v + j / m;
         assert!((j + h * (k * (x + h * after) + c * after)).abs() < 1e-12);
     }
@@ -140,7 +161,8 @@ mod tests {
         };
         for (velocity, force) in [(-100.0, 3.0), (100.0, -3.0)] {
             let drive = Drive::new(Some(&motor), 0.0, 0.01, 0.01);
-            assert!((drive.impulse(0.0, velocity, 0.5) / 0.01 - force).abs() < 1e-12);
+            let (j, at_limit) = drive.impulse(0.0, velocity, 0.5);
+            assert!((j / 0.01 - force).abs() < 1e-12 && !at_limit);
         }
     }
 
@@ -149,21 +171,24 @@ mod tests {
     fn a_limit_stops_and_never_pulls() {
         let h = 0.01;
         let mut drive = Drive::new(None, 0.0, h, h);
-        assert!(!drive.is_limited());
         drive.limit([-0.02, f64::INFINITY], h);
-        assert!(drive.is_limited());
         for (velocity, left) in [(-5.0, -2.0), (-2.0, -2.0), (-1.0, -1.0), (7.0, 7.0)] {
             for before in [0.0, 1.5] {
                 let now = velocity + 0.5 * before;
-                let j = drive.impulse(before, now, 0.5);
+                let (j, at_limit) = drive.impulse(before, now, 0.5);
+                assert_eq!(at_limit, velocity < left);
                 assert!((velocity + 0.5 * j - left).abs() < 1e-12, "{velocity}: {j}");
                 assert!(j >= 0.0);
             }
         }
         // Beyond a limit it goes no farther, and back freely.
         drive.limit([0.1, f64::INFINITY], h);
-        assert_eq!(drive.impulse(0.0, -1.0, 0.5), 2.0);
-        assert_eq!(drive.impulse(0.0, 1.0, 0.5), 0.0);
+        assert_eq!(drive.impulse(0.0, -1.0, 0.5), (2.0, true));
+        assert_eq!(drive.impulse(0.0, 1.0, 0.5), (0.0, false));
+        // Rapier passes over what is no number.
+        let mut drive = Drive::new(None, 0.0, h, h);
+        drive.limit([f64::NAN, f64::NAN], h);
+        assert_eq!(drive.impulse(0.0, -1.0, 0.5), (0.0, false));
     }
 
     /// The limit takes what the motor gives against it, which gives no more than its force.
@@ -179,9 +204,37 @@ mod tests {
         let h = 0.01;
         let mut drive = Drive::new(Some(&motor), 0.0, h, h);
         drive.limit([0.0, 1.0], h);
-        assert_eq!(drive.impulse(0.0, 0.0, 0.5), 0.0);
+        assert_eq!(drive.impulse(0.0, 0.0, 0.5), (0.0, true));
         // It helps to stop what comes up against it.
-        assert!((drive.impulse(0.0, 0.1, 0.5) + 0.2).abs() < 1e-12);
-        assert!((drive.impulse(0.0, 1.0, 0.5) + 0.3).abs() < 1e-12);
+        assert!((drive.impulse(0.0, 0.1, 0.5).0 + 0.2).abs() < 1e-12);
+        assert!((drive.impulse(0.0, 1.0, 0.5).0 + 0.3).abs() < 1e-12);
+    }
+
+    /// Two unknowns by Gauss–Seidel: the axis, and a locked one that answers to it.
+    #[test]
+    fn it_gives_way_as_sweeps_do_that_have_not_converged() {
+        let (h, across, locked, alone) = (0.01, 0.6, 0.9, 0.7);
+        let held = alone - across * across / locked;
+        for (stiffness, damping) in [(0.0, 1e9), (3e4, 0.0), (800.0, 6.0), (0.0, 0.0)] {
+            let motor = Motor {
+                velocity: 1.0,
+                stiffness,
+                damping,
+                ..SPRING
+            };
+            let mut drive = Drive::new(Some(&motor), 0.0, h, h);
+            let softness = drive.softness;
+            for sweeps in 1..5 {
+                let (mut j, mut other) = (0.0, 0.0);
+                for _ in 0..sweeps {
+                    j = (1.0 - across * other) / (alone + softness);
+                    other = -across * j / locked;
+                }
+                drive.softness = softness;
+                drive.give_way(&motor, [alone, held], sweeps, h, h);
+                let (found, _) = drive.impulse(0.0, 0.0, held);
+                assert!((found - j).abs() < 1e-9 * j, "{sweeps}: {found} {j}");
+            }
+        }
     }
 }

@@ -82,6 +82,7 @@ impl Group {
             limits: joint.limits,
             motors: joint.motors,
             solver_step: joint.solver_step,
+            sweeps: joint.sweeps,
             open: DVec3::from_array(along),
         };
         let row = JointRow::new(joint, per_mass, &self.shadows);

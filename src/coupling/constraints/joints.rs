@@ -32,6 +32,8 @@ pub struct RigidJoint {
     pub per_mass: [bool; 6],
     /// Length of Rapier's solver iterations \[s\].
     pub solver_step: f64,
+    /// How often Rapier goes over its rows in each of them.
+    pub sweeps: i32,
 }
 
 /// The joints of a body.
@@ -137,6 +139,8 @@ pub fn held(joint: &ImpulseJoint, around: &Surroundings, dt: f64) -> Option<Rigi
     });
     let iterations = bodies.map(|b| b.additional_solver_iterations());
     let iterations = around.parameters.num_solver_iterations + iterations[0].max(iterations[1]);
+    let sweeps = around.parameters.num_internal_pgs_iterations
+        + around.parameters.num_internal_stabilization_iterations;
     Some(RigidJoint {
         bodies: handles,
         anchors: [first, second],
@@ -147,5 +151,6 @@ pub fn held(joint: &ImpulseJoint, around: &Surroundings, dt: f64) -> Option<Rigi
         motors,
         per_mass: axes.map(|i| data.motors[i].model == MotorModel::AccelerationBased),
         solver_step: dt / iterations.max(1) as f64,
+        sweeps: sweeps as i32,
     })
 }

@@ -39,6 +39,8 @@ pub struct Joint {
     pub motors: [Option<Motor>; 6],
     /// Length of Rapier's solver iterations \[s\].
     pub solver_step: f64,
+    /// How often Rapier goes over its rows in each of them.
+    pub sweeps: i32,
     /// How far the joint is open along locked axes at the start of the rigid step \[m\]: for Rapier to mend.
     pub open: DVec3,
 }
@@ -58,6 +60,8 @@ pub struct JointRow {
     factors: Option<Cholesky<f64, Const<6>>>,
     /// Axes with limits or motors.
     driven: [Option<Driven>; 6],
+    /// Which of them were at a limit in the last visit.
+    at_limit: [bool; 6],
 }
 
 /// An axis with limits or a motor.
@@ -132,8 +136,7 @@ impl JointRow {
         let impulses = self.impulses;
         self.push(shadows, &impulses);
         // What a limit gave in the last substep may be wrong in this one, and nothing else shall answer it before it is seen.
-        let mut driven = self.driven.iter().flatten();
-        if driven.any(|d| d.drive.is_limited()) {
+        if self.at_limit.contains(&true) {
             self.solve(shadows, 0.0);
         }
     }
@@ -159,6 +162,11 @@ impl JointRow {
         }
         impulses[i] = 1.0;
         let response = self.place.along(i, &self.motions(sides, &impulses));
+        if let Some(motor) = motor {
+            let alone = self.place.along(i, &self.unit_motions(sides, i));
+            let (sweeps, step) = (self.joint.sweeps, self.joint.solver_step);
+            drive.give_way(motor, [alone, response], sweeps, h, step);
+        }
         Some(Driven {
             drive,
             impulses,
@@ -183,8 +191,9 @@ impl JointRow {
             };
             let velocity = self.place.along(i, &self.velocities(shadows));
             let before = self.impulses[i];
-            let impulse = driven.drive.impulse(before, velocity, driven.response);
+            let (impulse, at_limit) = driven.drive.impulse(before, velocity, driven.response);
             let more = driven.impulses * (impulse - before);
+            self.at_limit[i] = at_limit;
             self.push(shadows, &more);
             change += more;
         }

@@ -71,7 +71,7 @@ impl Place {
             return [low - at, high - at];
         }
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-        if half >= PI || half.is_nan() {
+        if half >= PI || half.is_nan() || middle.is_nan() {
             return [f64::NEG_INFINITY, f64::INFINITY];
         }
         let (sine, cosine) = self.half_turn(i);

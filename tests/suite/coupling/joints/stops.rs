@@ -91,8 +91,8 @@ fn what_is_struck_goes_as_far_as_its_stop() {
                 let tilt = (pose.rotation * Vector::X).y;
                 lowest = lowest.min(pose.translation.y * f32::from(is_slider as u8) + tilt);
             }
-            // Of 125 J.
-            stage.foresaw(0.1);
+            // Of 125 J. Rapier sees a limit only when it is passed: in the step of the arrival it may be late.
+            stage.foresaw(0.5);
             assert!((lowest - stop).abs() < 5e-3, "{lowest} for {stop}");
             stage.set[soft].linvel().y
         });
