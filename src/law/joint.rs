@@ -4,6 +4,23 @@
 //! iterations, h_r s long, which gives it in the mean the place of ½·h_r later; so does this, in whatever substep. In one of
 //! h_r it is Rapier's own row. A limit lets the axis come as far as it reaches within the substep, and no farther.
 
+/// What a joint does along three axes, and about them.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Axes {
+    /// Which displacements and turns are locked.
+    pub locked: [bool; 6],
+    /// Displacements that count as one, the distance; its limits and motor are those of the first of them.
+    pub coupled: [bool; 3],
+    /// Limits of those that are not locked \[m, rad\].
+    pub limits: [Option<[f64; 2]>; 6],
+    /// Their motors.
+    pub motors: [Option<Motor>; 6],
+    /// Length of Rapier's solver iterations \[s\].
+    pub solver_step: f64,
+    /// How often Rapier goes over its rows in each of them.
+    pub sweeps: i32,
+}
+
 /// What drives an axis; metres and newtons along it, or radians and newton metres about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motor {

@@ -77,12 +77,7 @@ impl Group {
             shadows,
             anchors: [anchor(0), anchor(1)],
             frames: [0, 1].map(|k| sides[k].rot.inverse() * joint.frames[k]),
-            locked: joint.locked,
-            coupled: joint.coupled,
-            limits: joint.limits,
-            motors: joint.motors,
-            solver_step: joint.solver_step,
-            sweeps: joint.sweeps,
+            axes: joint.axes,
             open: DVec3::from_array(along),
         };
         let row = JointRow::new(joint, per_mass, &self.shadows);

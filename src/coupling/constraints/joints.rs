@@ -2,7 +2,7 @@
 
 use crate::contact::target::wide_rotation;
 use crate::coupling::observe::Surroundings;
-use crate::law::joint::Motor;
+use crate::law::joint::{Axes, Motor};
 use crate::math::{DQuat, DVec3, wide};
 use rapier3d::dynamics::{
     GenericJoint, ImpulseJoint, ImpulseJointHandle, JointAxesMask, MotorModel, RigidBody,
@@ -20,20 +20,10 @@ pub struct RigidJoint {
     pub anchors: [DVec3; 2],
     /// The joint's axes on each.
     pub frames: [DQuat; 2],
-    /// Which displacements along the axes of the first, and turns about them, are locked.
-    pub locked: [bool; 6],
-    /// Displacements that count as one, the distance.
-    pub coupled: [bool; 3],
-    /// Limits of those that are not locked; of the distance at the first that it consists of \[m, rad\].
-    pub limits: [Option<[f64; 2]>; 6],
-    /// Their motors, likewise.
-    pub motors: [Option<Motor>; 6],
-    /// Whether stiffness and damping of these are per mass or moment of inertia.
+    /// What it does along and about those of the first.
+    pub axes: Axes,
+    /// Whether stiffness and damping of its motors are per mass or moment of inertia.
     pub per_mass: [bool; 6],
-    /// Length of Rapier's solver iterations \[s\].
-    pub solver_step: f64,
-    /// How often Rapier goes over its rows in each of them.
-    pub sweeps: i32,
 }
 
 /// The joints of a body.
@@ -145,12 +135,14 @@ pub fn held(joint: &ImpulseJoint, around: &Surroundings, dt: f64) -> Option<Rigi
         bodies: handles,
         anchors: [first, second],
         frames: [one, two],
-        locked: axes.map(|i| is_in(data.locked_axes, i)),
-        coupled: [0, 1, 2].map(|i| is_in(coupled, i)),
-        limits,
-        motors,
+        axes: Axes {
+            locked: axes.map(|i| is_in(data.locked_axes, i)),
+            coupled: [0, 1, 2].map(|i| is_in(coupled, i)),
+            limits,
+            motors,
+            solver_step: dt / iterations.max(1) as f64,
+            sweeps: sweeps as i32,
+        },
         per_mass: axes.map(|i| data.motors[i].model == MotorModel::AccelerationBased),
-        solver_step: dt / iterations.max(1) as f64,
-        sweeps: sweeps as i32,
     })
 }

@@ -1,4 +1,5 @@
-//! Small rigid bodies between two blocks, one of which falls on the other: squeezed, turned, and thrown out.
+//! What is squeezed: small rigid bodies between two blocks or between a block and a sheet, and soft blocks by each other. Nothing
+//! is pushed by what it does not touch, and nothing gets through.
 
 use super::Random;
 use crumple::prelude::*;

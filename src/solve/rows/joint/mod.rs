@@ -6,7 +6,7 @@
 
 mod place;
 
-use crate::law::joint::{Drive, Motor};
+use crate::law::joint::{Axes, Drive};
 use crate::math::na::{Cholesky, Const, SMatrix, SVector};
 use crate::math::{DQuat, DVec3};
 use crate::solve::shadow::Shadow;
@@ -29,18 +29,8 @@ pub struct Joint {
     pub anchors: [DVec3; 2],
     /// The joint's axes on each, in its own axes. Those on the first count.
     pub frames: [DQuat; 2],
-    /// Which displacements and turns are locked.
-    pub locked: [bool; 6],
-    /// Displacements that count as one, the distance; its limits and motor are those of the first of them.
-    pub coupled: [bool; 3],
-    /// Limits of those that are not locked \[m, rad\].
-    pub limits: [Option<[f64; 2]>; 6],
-    /// Their motors.
-    pub motors: [Option<Motor>; 6],
-    /// Length of Rapier's solver iterations \[s\].
-    pub solver_step: f64,
-    /// How often Rapier goes over its rows in each of them.
-    pub sweeps: i32,
+    /// What it does along and about them.
+    pub axes: Axes,
     /// How far the joint is open along locked axes at the start of the rigid step \[m\]: for Rapier to mend.
     pub open: DVec3,
 }
@@ -85,7 +75,7 @@ impl JointRow {
         };
         for i in (0..6).filter(|i| per_mass[*i]) {
             let response = row.place.along(i, &row.unit_motions(sides, i));
-            let motor = row.joint.motors[i].as_mut();
+            let motor = row.joint.axes.motors[i].as_mut();
             if let Some(motor) = motor.filter(|_| response > 0.0) {
                 motor.stiffness /= response;
                 motor.damping /= response;
@@ -96,7 +86,7 @@ impl JointRow {
 
     /// Whether a motor drives it.
     pub fn has_motor(&self) -> bool {
-        self.joint.motors.iter().any(Option::is_some)
+        self.joint.axes.motors.iter().any(Option::is_some)
     }
 
     /// Finds the axes at the start of a substep of h s, and lets the shadows take the impulses of the last one.
@@ -106,7 +96,7 @@ impl JointRow {
         let mut response = SMatrix::<f64, 6, 6>::zeros();
         for i in 0..6 {
             self.bias[i] = 0.0;
-            if !self.joint.locked[i] {
+            if !self.joint.axes.locked[i] {
                 response[(i, i)] = 1.0;
                 continue;
             }
@@ -115,21 +105,21 @@ impl JointRow {
                 self.bias[i] = -PULL_BACK * opened / h;
             }
             let moved = self.unit_motions(sides, i);
-            for k in (0..6).filter(|k| self.joint.locked[*k]) {
+            for k in (0..6).filter(|k| self.joint.axes.locked[*k]) {
                 response[(k, i)] = self.place.along(k, &moved);
             }
         }
         let trace: f64 = (0..6)
-            .filter(|i| self.joint.locked[*i])
+            .filter(|i| self.joint.axes.locked[*i])
             .map(|i| response[(i, i)])
             .sum();
-        for i in (0..6).filter(|i| self.joint.locked[*i]) {
+        for i in (0..6).filter(|i| self.joint.axes.locked[*i]) {
             response[(i, i)] += FLOOR * trace;
         }
         self.factors = (trace > 0.0).then(|| Cholesky::new(response)).flatten();
         for i in 0..6 {
             self.driven[i] = self.drive(i, sides, h);
-            if self.driven[i].is_none() && !self.joint.locked[i] {
+            if self.driven[i].is_none() && !self.joint.axes.locked[i] {
                 self.impulses[i] = 0.0;
             }
         }
@@ -143,19 +133,19 @@ impl JointRow {
 
     /// The axis with what drives it in a substep of h s, if anything does.
     fn drive(&self, i: usize, sides: [&Shadow; 2], h: f64) -> Option<Driven> {
-        let motor = self.joint.motors[i].as_ref();
-        if self.joint.locked[i] || (motor.is_none() && self.joint.limits[i].is_none()) {
+        let motor = self.joint.axes.motors[i].as_ref();
+        if self.joint.axes.locked[i] || (motor.is_none() && self.joint.axes.limits[i].is_none()) {
             return None;
         }
         let off = motor.map_or(0.0, |m| self.place.off(i, m.place));
-        let mut drive = Drive::new(motor, off, h, self.joint.solver_step);
-        if let Some(limits) = self.joint.limits[i] {
+        let mut drive = Drive::new(motor, off, h, self.joint.axes.solver_step);
+        if let Some(limits) = self.joint.axes.limits[i] {
             drive.limit(self.place.room(i, limits), h);
         }
         let mut impulses = Vec6::zeros();
         if let Some(factors) = &self.factors {
             let moved = self.unit_motions(sides, i);
-            for k in (0..6).filter(|k| self.joint.locked[*k]) {
+            for k in (0..6).filter(|k| self.joint.axes.locked[*k]) {
                 impulses[k] = -self.place.along(k, &moved);
             }
             factors.solve_mut(&mut impulses);
@@ -164,7 +154,7 @@ impl JointRow {
         let response = self.place.along(i, &self.motions(sides, &impulses));
         if let Some(motor) = motor {
             let alone = self.place.along(i, &self.unit_motions(sides, i));
-            let (sweeps, step) = (self.joint.sweeps, self.joint.solver_step);
+            let (sweeps, step) = (self.joint.axes.sweeps, self.joint.axes.solver_step);
             drive.give_way(motor, [alone, response], sweeps, h, step);
         }
         Some(Driven {
@@ -179,7 +169,7 @@ impl JointRow {
         let mut change = Vec6::zeros();
         if let Some(factors) = &self.factors {
             let motions = self.velocities(shadows);
-            for i in (0..6).filter(|i| self.joint.locked[*i]) {
+            for i in (0..6).filter(|i| self.joint.axes.locked[*i]) {
                 change[i] = self.bias[i] - self.place.along(i, &motions);
             }
             factors.solve_mut(&mut change);

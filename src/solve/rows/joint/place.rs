@@ -30,8 +30,8 @@ impl Place {
         let opening = arms[0] - first;
         let [x, y, z] = axes;
         let mut directions = [x, y, z, x, y, z];
-        if let Some(distance) = joint.coupled.iter().position(|c| *c) {
-            let coupled = axes.iter().zip(joint.coupled).filter(|(_, c)| *c);
+        if let Some(distance) = joint.axes.coupled.iter().position(|c| *c) {
+            let coupled = axes.iter().zip(joint.axes.coupled).filter(|(_, c)| *c);
             let apart: DVec3 = coupled.map(|(axis, _)| *axis * axis.dot(opening)).sum();
             directions[distance] = apart.normalize_or_zero();
         }

@@ -1,6 +1,7 @@
 //! Nodes tied to one body, and that body.
 
 use super::*;
+use crate::law::joint::Axes;
 use crate::solve::rows::{Joint, JointRow};
 
 /// Four nodes of 1 kg about the centre of a body of 10 g that hardly resists turning, all of them going elsewhere.
@@ -70,7 +71,10 @@ fn a_joint_of_the_light_body_moves_all_of_its_nodes() {
     let joint = Joint {
         shadows: [1, 2],
         anchors: [DVec3::X, DVec3::X],
-        locked: [true, true, true, false, false, false],
+        axes: Axes {
+            locked: [true, true, true, false, false, false],
+            ..Axes::default()
+        },
         ..Joint::default()
     };
     let row = JointRow::new(joint, [false; 6], &shadows);

@@ -1,7 +1,7 @@
 //! Limits and motors of joints of shadows.
 
 use super::*;
-use crate::law::joint::Motor;
+use crate::law::joint::{Axes, Motor};
 use crate::math::{DMat3, DQuat};
 use crate::solve::rows::{Joint, JointRow};
 
@@ -22,11 +22,14 @@ fn hinged(
     let mut joint = Joint {
         shadows: [0, 1],
         anchors: [DVec3::ZERO, DVec3::X * -0.5],
-        locked: [true, true, true, true, true, false],
-        solver_step: 1e-3,
+        axes: Axes {
+            locked: [true, true, true, true, true, false],
+            solver_step: 1e-3,
+            ..Axes::default()
+        },
         ..Joint::default()
     };
-    (joint.limits[5], joint.motors[5]) = (limits, motor);
+    (joint.axes.limits[5], joint.axes.motors[5]) = (limits, motor);
     (JointRow::new(joint, [per_mass; 6], &shadows), shadows)
 }
 
@@ -127,11 +130,14 @@ fn a_rope_holds_only_when_it_is_taut() {
         let mut shadows = [Shadow::FIXED, ball];
         let mut joint = Joint {
             shadows: [0, 1],
-            coupled: [true; 3],
-            solver_step: 1e-3,
+            axes: Axes {
+                coupled: [true; 3],
+                solver_step: 1e-3,
+                ..Axes::default()
+            },
             ..Joint::default()
         };
-        joint.limits[0] = Some([f64::NEG_INFINITY, 2.0]);
+        joint.axes.limits[0] = Some([f64::NEG_INFINITY, 2.0]);
         let mut row = JointRow::new(joint, [false; 6], &shadows);
         solve(&mut row, &mut shadows, 1);
         let outward = shadows[1].v.dot(DVec3::new(0.6, 0.8, 0.0));
