@@ -191,11 +191,12 @@ impl Making<'_, '_> {
             let (beside, Some(foot)) = self.foot(&patch, point) else {
                 continue;
             };
-            let out = if known.is_some() || side.topology.closed {
-                n
-            } else {
-                // What is beside a face may be below it without having come through: past a ridge, its points tell.
+            // What is beside a face may be below it without having come through: past a ridge, its points tell.
+            let tells = known.is_none() && !side.topology.closed;
+            let out = if tells && !patch.is_between(point, part.centre) {
                 point - foot.point
+            } else {
+                n
             };
             let outward = foot.normal * 1.0_f64.copysign(foot.normal.dot(out));
             let away = points

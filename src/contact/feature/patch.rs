@@ -141,6 +141,15 @@ impl Patch {
         })
     }
 
+    /// Whether the way from one point, which is close to it, to another goes through it.
+    pub fn is_between(&self, near: DVec3, far: DVec3) -> bool {
+        let Some(foot) = self.foot(near) else {
+            return false;
+        };
+        let [from, to] = [near, far].map(|p| (p - foot.point).dot(foot.normal));
+        from * to < 0.0 && self.foot(near.lerp(far, from / (from - to))).is_some()
+    }
+
     /// How far a point is from it, or less \[m\].
     pub fn apart(&self, p: DVec3) -> f64 {
         let [a, b, c, d] = self.corners;
@@ -239,6 +248,19 @@ mod tests {
                 .unwrap();
             assert_eq!(beyond.point, DVec3::ZERO);
         }
+    }
+
+    #[test]
+    fn what_is_behind_a_patch_is_seen_through_it() {
+        let corners = [DVec3::ZERO, DVec3::Z, DVec3::new(1.0, 0.0, 1.0), DVec3::X];
+        let patch = Patch::new(corners.into_iter());
+        let under = DVec3::new(0.9, -0.01, 0.5);
+        assert!(patch.is_between(under, DVec3::new(0.9, 1.0, 0.5)));
+        assert!(patch.is_between(under, DVec3::new(5.0, 1.0, 0.5)));
+        // Past the border, on the same side, and from beside the patch.
+        assert!(!patch.is_between(under, DVec3::new(50.0, 1.0, 0.5)));
+        assert!(!patch.is_between(under, DVec3::new(0.9, -1.0, 0.5)));
+        assert!(!patch.is_between(DVec3::new(1.1, -0.01, 0.5), DVec3::new(0.9, 1.0, 0.5)));
     }
 
     #[test]

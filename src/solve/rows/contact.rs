@@ -5,6 +5,11 @@ use super::settled::Give;
 use crate::law::row::{Lift, friction_impulse, normal_impulse};
 use crate::math::{DMat3, DVec3};
 
+/// How much faster, or farther, than the point of a contact one of its nodes may be moved where nothing takes the impulse back.
+/// A point close to a pinned node moves only if the others fly: what can't be stopped, or a depth, would throw them without
+/// bounds. A body that can be stopped throws them no harder than its own energy does.
+pub const LEVER: f64 = 10.0;
+
 /// How the two sides of a row answer its impulses, set by the pass for a substep.
 #[derive(Clone, Copy, Debug)]
 pub struct Response {
@@ -19,6 +24,9 @@ pub struct Response {
     pub rigid: DMat3,
     /// Effective mass along the normal \[kg\].
     pub mass: f64,
+    /// What an impulse may leave of the normal velocity: the row's softness, and what keeps nodes from being thrown, see
+    /// [`LEVER`] \[1/kg\].
+    pub softness: f64,
     /// What the two sides make of an impulse.
     pub give: Give,
 }
@@ -33,6 +41,7 @@ impl Default for Response {
             // A matrix's own default is the identity.
             rigid: DMat3::ZERO,
             mass: 0.0,
+            softness: 0.0,
             give: Give::default(),
         }
     }
@@ -148,7 +157,8 @@ impl Row {
     /// By how much the normal part of a relative velocity exceeds what it must be at least \[m/s\].
     #[inline(always)]
     pub(super) fn excess(&self, relative: DVec3) -> f64 {
-        relative.dot(self.normal) + self.softness * self.normal_impulse - self.response.allowed
+        relative.dot(self.normal) + self.response.softness * self.normal_impulse
+            - self.response.allowed
     }
 
     /// The part of a relative velocity along the surface by which the point slips \[m/s\].

@@ -2,7 +2,7 @@
 
 use super::climb::Attempt;
 use super::composite::Composites;
-use super::contact::Response;
+use super::contact::{LEVER, Response};
 use super::points::{self, Points};
 use super::rigid::start_rigid;
 use super::settled::{Give, Settled};
@@ -172,18 +172,28 @@ impl Pass<'_> {
             } else {
                 DMat3::ZERO
             };
+            let (give, taken) = match row.levers {
+                None => (self.points.give(row.terms), rigid),
+                Some(_) => (self.points.give_by_levers(row), DMat3::ZERO),
+            };
+            let throws =
+                rigid == DMat3::ZERO && (shadow.v != DVec3::ZERO || shadow.w != DVec3::ZERO);
+            let lever = if throws {
+                (give / LEVER - own).max(0.0)
+            } else {
+                0.0
+            };
             row.response = Response {
                 allowed,
                 chord: along,
                 own,
                 rigid,
                 mass: 0.0,
-                give: match row.levers {
-                    None => Give::of(self.points.give(row.terms), &rigid),
-                    Some(_) => Give::of(self.points.give_by_levers(row), &DMat3::ZERO),
-                },
+                softness: row.softness + lever,
+                give: Give::of(give, &taken),
             };
-            row.response.mass = inverse(own + row.response.rigid_along(row.normal) + row.softness);
+            let resists = own + row.response.rigid_along(row.normal) + row.response.softness;
+            row.response.mass = inverse(resists);
         }
         self.prepare_ties();
     }

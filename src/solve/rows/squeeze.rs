@@ -203,8 +203,9 @@ impl Pass<'_> {
     /// zero the measured one leads on.
     fn press_squeezed(&mut self, i: usize) -> bool {
         let Row {
-            normal, softness, ..
+            normal, response, ..
         } = self.contacts[i];
+        let softness = response.softness;
         let mut mass = self.squeezed_mass(i, normal, softness, Hold::Active);
         let mut changed = false;
         for _ in 0..TRIES {
@@ -363,7 +364,7 @@ impl Pass<'_> {
                     response -= DMat3::from_cols(given * by.x, given * by.y, given * by.z);
                 }
             };
-            keep(row.normal, row.softness);
+            keep(row.normal, row.response.softness);
             if hold == Hold::All || row.sticks() {
                 let side = row.normal.any_orthonormal_vector();
                 keep(side, 0.0);

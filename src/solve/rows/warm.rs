@@ -97,12 +97,9 @@ impl Pass<'_> {
         let warm = |pass: &Self, i: &usize| pass.contacts[*i].impulse() != DVec3::ZERO;
         for i in rows.clone().filter(|i| warm(self, i)) {
             // Its nodes have yet to get what the row has already.
-            let Row {
-                softness,
-                normal_impulse,
-                ..
-            } = self.contacts[i];
-            let slope = self.row_slope(i) - softness * normal_impulse * normal_impulse;
+            let row = &self.contacts[i];
+            let soft = row.response.softness * row.normal_impulse.powi(2);
+            let slope = self.row_slope(i) - soft;
             clusters.climb(self.contacts[i].terms, terms).slope += slope;
         }
         let ties = 0..self.ties.len();

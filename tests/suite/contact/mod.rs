@@ -8,6 +8,7 @@ mod coarse;
 mod embed;
 mod fast;
 mod features;
+mod pinned;
 mod ridges;
 mod seams;
 mod shapes;

@@ -148,6 +148,26 @@ fn what_hangs_over_a_rim_does_not_feel_the_far_one() {
     }
 }
 
+/// Symptom: a rim that came to a face from beside it, a little below, was taken for one on the other side of the sheet: it went in
+/// up to 27 mm deep, or through.
+#[test]
+fn a_rim_that_comes_from_beside_a_face_stays_on_its_side() {
+    let disc = || ColliderBuilder::cylinder(0.03, 0.15);
+    let cone = || ColliderBuilder::cone(0.1, 0.1);
+    let discs = [18, 118, 162, 216].map(|seed| (seed, disc()));
+    let cones = [76, 140, 116, 260].map(|seed| (seed, cone()));
+    for (seed, shape) in discs.into_iter().chain(cones) {
+        let thickness = if seed % 2 == 0 { 0.0 } else { 0.01 };
+        let (mut world, mut set, _) = on_sheet(seed, shape, thickness);
+        let mut rows = Deepest(0.0);
+        for _ in 0..180 {
+            set.step_with(&mut world, &(), &(), &mut rows);
+        }
+        println!("{seed}: {:.2} mm", 1e3 * rows.0);
+        assert!(rows.0 < 4e-3, "{seed}: a row {} m deep", rows.0);
+    }
+}
+
 /// Two symptoms, each of which let one sharp mesh of twenty fall through a sheet: a corner that slid to the next face had no
 /// business on that one, as it leaned; and an edge of a twisted quad took its face for the triangle at one of its ends.
 #[test]
