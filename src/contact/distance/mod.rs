@@ -28,6 +28,7 @@ pub use crossing::Crossing;
 use hull::Hull;
 use quickhull::Outline;
 use rapier3d::geometry::{Shape, TypedShape};
+pub use rim::Rim;
 use std::sync::Arc;
 use voxels::Grid;
 

@@ -18,9 +18,12 @@ const ASIDE: f64 = 2.0;
 
 /// The edge between a cap and the mantle above it.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Rim {
+pub struct Rim {
+    /// \[m\].
     pub centre: DVec3,
+    /// \[m\].
     pub radius: f64,
+    /// Normal of the cap.
     pub cap: DVec3,
     /// Rise of the mantle's normal from the radial direction away from the cap.
     pub slope: f64,

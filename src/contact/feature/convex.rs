@@ -1,5 +1,6 @@
 //! Faces and edges of one body against the convex parts of a solid.
 
+use super::bulge::{self, Ridge};
 use super::making::{BORDER, Making, Met};
 use super::meet::{ALIKE, share_node};
 use super::part::{Convex, Part};
@@ -174,61 +175,84 @@ impl Making<'_, '_> {
             }
             n = -n;
         }
-        let deepest = self.deepest_point();
-        let most = radius + self.near.max(deepest);
         let before = met.len();
         points.clear();
         part.solid.feature_points(n, points);
-        for (i, &point) in (0..).zip(points.iter()) {
-            // Bounds first: most points are far from most faces.
-            if point.distance_squared(middle) > most * most {
-                continue;
-            }
-            let height = (point - patch.corners()[0]).dot(n);
-            if height > self.skin + self.site.reach.farthest + side.topology.spacing {
-                continue;
-            }
-            let (beside, Some(foot)) = self.foot(&patch, point) else {
-                continue;
+        let facing = Facing {
+            part,
+            key: [p, f],
+            patch: &patch,
+            normal: n,
+            told: known.is_some() || side.topology.closed,
+            cone: points,
+        };
+        let all = (0..).zip(points.iter().copied());
+        met.extend(all.filter_map(|point| self.meet_point(&facing, point)));
+        let corners = patch.corners();
+        let height = |point: &DVec3| {
+            let over = corners.iter().map(|c| (*point - *c).dot(n));
+            over.fold(f64::INFINITY, f64::min)
+        };
+        let lowest = points.iter().map(height).fold(f64::INFINITY, f64::min);
+        let twisted = bulge::is_twisted(&patch);
+        if twisted && lowest < self.near {
+            let ridge = Ridge {
+                patch: &patch,
+                normal: n,
+                solid: &part.solid,
+                near: self.near,
             };
-            // What is beside a face may be below it without having come through: past a ridge, its points tell.
-            let tells = known.is_none() && !side.topology.closed;
-            let out = if tells && !patch.is_between(point, part.centre) {
-                point - foot.point
-            } else {
-                n
-            };
-            let outward = foot.normal * 1.0_f64.copysign(foot.normal.dot(out));
-            let away = points
-                .iter()
-                .map(|other| (*other - point).normalize_or_zero());
-            if !can_push(away, -outward, self.touches.touched([p, i, f])) {
-                continue;
-            }
-            let at = (beside, &foot, outward);
-            let found = self.over((i, point), (f, &patch), at, deepest);
-            if found.is_some() && self.is_internal_corner(part, point, -n) {
-                continue;
-            }
-            met.extend(found);
+            ridge.lowest(points, &mut |point| {
+                met.extend(self.meet_point(&facing, point));
+            });
         }
         if met.len() > before {
             // What touches may be deeper next time.
             return 0.0;
         }
         if part.solid.has_rim() {
-            // A rim has more than those points, but none lower: the others are as high over all corners.
-            let corners = patch.corners();
-            let height = |point: &DVec3| {
-                let over = corners.iter().map(|c| (*point - *c).dot(n));
-                over.fold(f64::INFINITY, f64::min)
-            };
-            return apart.max(points.iter().map(height).fold(f64::INFINITY, f64::min));
+            // The other points of a rim are as high over all corners.
+            return apart.max(lowest);
         }
         // Grown points turn with the face, those they have grown from do not.
         let grown = n * part.solid.edge_radius();
         let far = points.iter().map(|&point| patch.apart(point + grown));
-        apart.max(far.fold(f64::INFINITY, f64::min) - part.solid.edge_radius())
+        let far = far.fold(f64::INFINITY, f64::min) - part.solid.edge_radius();
+        // Lines may be nearer than their ends to a face that is twisted, but no nearer than all that is.
+        apart.max(if twisted { far.min(away) } else { far })
+    }
+
+    /// A point of the part, by its number and place, if it meets a face.
+    fn meet_point(&self, facing: &Facing, (i, point): (u32, DVec3)) -> Option<Met> {
+        let (patch, n, [p, f]) = (facing.patch, facing.normal, facing.key);
+        let deepest = self.deepest_point();
+        // Bounds first: most points are far from most faces.
+        let (middle, radius) = patch.ball();
+        let most = radius + self.near.max(deepest);
+        if point.distance_squared(middle) > most * most {
+            return None;
+        }
+        let height = (point - patch.corners()[0]).dot(n);
+        if height > self.skin + self.site.reach.farthest + self.site.side.topology.spacing {
+            return None;
+        }
+        let (beside, Some(foot)) = self.foot(patch, point) else {
+            return None;
+        };
+        // What is beside a face may be below it without having come through: past a ridge, its points tell.
+        let out = if facing.told || patch.is_between(point, facing.part.centre) {
+            n
+        } else {
+            point - foot.point
+        };
+        let outward = foot.normal * 1.0_f64.copysign(foot.normal.dot(out));
+        let away = facing.cone.iter();
+        let away = away.map(|other| (*other - point).normalize_or_zero());
+        if !can_push(away, -outward, self.touches.touched([p, i, f])) {
+            return None;
+        }
+        let found = self.over((i, point), (f, patch), (beside, &foot, outward), deepest)?;
+        (!self.is_internal_corner(facing.part, point, -n)).then_some(found)
     }
 
     /// On which side of a face the part is, along the normal at its middle: where it was when it last touched this face or one
@@ -353,6 +377,20 @@ impl Making<'_, '_> {
         let within = most.max(a.distance(b));
         apart.max(part.solid.edges_from(a, b, within))
     }
+}
+
+/// A face that the part may meet.
+struct Facing<'a> {
+    part: &'a Convex,
+    /// Of part and face.
+    key: [u32; 2],
+    patch: &'a Patch,
+    /// Of its middle, towards the part.
+    normal: DVec3,
+    /// Whether that is known for sure.
+    told: bool,
+    /// The points of the part.
+    cone: &'a [DVec3],
 }
 
 /// Whether an edge goes into the part from its first end: it does not where that is on a face which the edge lies on or leaves.

@@ -6,6 +6,7 @@
 //! target. A target that shows the body nothing but a flat face, like a floor, costs one test of a box, and what is far from
 //! edges is not looked at until it has moved.
 
+mod bulge;
 mod convex;
 mod internal;
 mod making;

@@ -58,6 +58,15 @@ impl Patch {
         n.try_normalize()
     }
 
+    /// By how much the normals at its corners differ, about \[rad\]; 0 for a triangle.
+    pub fn twist(&self) -> f64 {
+        let [a, b, c, d] = self.corners;
+        if self.count == 3 {
+            return 0.0;
+        }
+        (a - b + c - d).length() / a.distance(c).max(b.distance(d))
+    }
+
     /// Where a point comes down on it; `None` outside.
     pub fn foot(&self, p: DVec3) -> Option<Foot> {
         let n = self.normal()?;
