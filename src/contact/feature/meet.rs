@@ -27,7 +27,7 @@ fn crossing(a: [DVec3; 2], b: [DVec3; 2], overlap: f64) -> Option<[f64; 2]> {
 
 impl Making<'_, '_> {
     /// How far a corner is from a face, or less \[m\], and how it meets it. Of a closed surface the outside is that of its
-    /// winding; of an open one where the corner is, or was when it touched.
+    /// winding; of an open one where the corner was when it touched, or where all is that it is the corner of, or where it is.
     pub(super) fn meet_corner(
         &self,
         corner: &Corner,
@@ -51,7 +51,13 @@ impl Making<'_, '_> {
         let outward = if topology.closed {
             foot.normal
         } else {
-            let side = last.map_or(p - foot.point, |last| -last);
+            let is_over = |outward: DVec3| can_push(cone.iter().copied(), -outward, false);
+            let side = match last {
+                Some(last) => -last,
+                None if is_over(foot.normal) == is_over(-foot.normal) => p - foot.point,
+                None if is_over(foot.normal) => foot.normal,
+                None => -foot.normal,
+            };
             foot.normal * 1.0_f64.copysign(foot.normal.dot(side))
         };
         if !can_push(cone.iter().copied(), -outward, last.is_some()) {
