@@ -125,7 +125,7 @@ impl Solid {
     }
 
     /// Calls `found` for the straight lines along which a solid that is not grown can touch a face, `normal` being a unit normal
-    /// towards it, each with its number: edges whose sides look that way, the axis of a capsule, the line along which the side of a
+    /// towards it, each with its number: edges of a hull whose sides look that way, the axis of a capsule, the line along which the side of a
     /// cylinder or a cone is lowest.
     pub fn for_each_line(&self, normal: DVec3, found: &mut dyn FnMut(u32, [DVec3; 2])) {
         let faces = |[a, b]: [DVec3; 2]| (a + b).dot(normal) < 0.0;
@@ -139,14 +139,6 @@ impl Solid {
             Core::Cone(half_height, radius) => {
                 found(0, [lowest(-half_height, *radius), DVec3::Y * *half_height]);
             }
-            Core::Cuboid(half) => {
-                for i in 0..12 {
-                    let (ends, normals) = cuboid_edge(i, *half);
-                    if faces(normals) {
-                        found(i as u32, ends);
-                    }
-                }
-            }
             Core::Hull(hull) => {
                 let mut i = 0;
                 hull.for_each_edge(&mut |ends, normals| {
@@ -156,7 +148,7 @@ impl Solid {
                     i += 1;
                 });
             }
-            Core::Point | Core::HalfSpace(_) | Core::Compound(_) | Core::Voxels(_) => {}
+            _ => {}
         }
     }
 
@@ -216,6 +208,11 @@ impl Solid {
     /// Whether it has rims, of which a face touches other points the more it turns.
     pub fn has_rim(&self) -> bool {
         matches!(self.core, Core::Cylinder(..) | Core::Cone(..))
+    }
+
+    /// Whether it is a box, grown or not.
+    pub fn is_box(&self) -> bool {
+        matches!(self.core, Core::Cuboid(_))
     }
 
     /// Whether a convex solid has a round side that a segment can touch between edges: that of a ball, a capsule, a cylinder

@@ -60,8 +60,12 @@ impl Rim {
 
     /// How far the segment from `a` to `b` is from the rim, or less \[m\].
     fn apart(&self, a: DVec3, b: DVec3) -> f64 {
-        let middle = 0.5 * (a + b);
-        self.way(middle, radial(middle).1).length() - 0.5 * a.distance(b)
+        self.away(0.5 * (a + b)) - 0.5 * a.distance(b)
+    }
+
+    /// How far a point is from the rim \[m\].
+    pub fn away(&self, point: DVec3) -> f64 {
+        self.way(point, radial(point).1).length()
     }
 
     /// Where the line is as far from the axis as the rim, or nearest to it, and where it is at the height of the cap.

@@ -5,7 +5,6 @@
 
 use super::convex::bounds;
 use super::patch::Patch;
-use super::sharp::FLAT;
 use crate::contact::distance::{Rim, Solid};
 use crate::math::DVec3;
 
@@ -17,112 +16,178 @@ const FARTHEST: f64 = 2.0;
 const HALVINGS: usize = 4;
 const SECANTS: usize = 6;
 
+/// A slope that counts as level.
+const FLAT: f64 = 1e-6;
+
 /// From how many places of a rim it is searched for.
 const STARTS: usize = 5;
+
+/// How high a face must bulge, per spacing of its body, to matter.
+const NEGLIGIBLE: f64 = 1e-3;
 
 /// Nearer than this per radius, two places of a rim are one.
 const ALIKE: f64 = 0.05;
 
-/// A twisted face, and what is over it.
-pub(super) struct Ridge<'a> {
-    pub patch: &'a Patch,
-    /// Unit normal at its middle, towards the solid.
-    pub normal: DVec3,
-    pub solid: &'a Solid,
-    /// How far from the face a line can be and still matter \[m\].
-    pub near: f64,
+/// How far the nodes of a face of a body with this spacing must move before it bulges so much that it matters to a solid, at
+/// least \[m\]. To boxes it never does: their corners and edges hold them but for that bulge, and to look for more would cost
+/// a sheet full of them a tenth of its time.
+pub(super) fn flat_for(solid: &Solid, patch: &Patch, spacing: f64) -> f64 {
+    if patch.corners().len() == 3 || solid.is_box() {
+        return f64::INFINITY;
+    }
+    NEGLIGIBLE * spacing - patch.highest_rise().length()
 }
 
-impl Ridge<'_> {
-    /// Calls `found` for the lowest points, with numbers that follow those of the `features` of the solid; not for those that are
-    /// among these \[m\].
-    pub fn lowest(&self, features: &[DVec3], found: &mut dyn FnMut((u32, DVec3))) {
+/// A twisted face.
+pub(super) struct Ridge<'a> {
+    pub patch: &'a Patch,
+    /// Unit normal at its middle, towards what is over it.
+    pub normal: DVec3,
+    /// How much lower a place must be to matter \[m\].
+    negligible: f64,
+}
+
+impl<'a> Ridge<'a> {
+    /// A face of a body with this spacing \[m\], if it is twisted so much that it matters.
+    pub fn of(patch: &'a Patch, normal: DVec3, spacing: f64) -> Option<Self> {
+        let negligible = NEGLIGIBLE * spacing;
+        (patch.highest_rise().dot(normal).abs() > negligible).then_some(Self {
+            patch,
+            normal,
+            negligible,
+        })
+    }
+
+    /// Calls `found` for the lowest points of rims and lines of a solid that are within `near` m, with numbers that follow those of
+    /// its `features`; not for those that are among these \[m\].
+    pub fn lowest_of(
+        &self,
+        solid: &Solid,
+        near: f64,
+        features: &[DVec3],
+        found: &mut dyn FnMut((u32, DVec3)),
+    ) {
+        let grown = solid.edge_radius();
         let mut next = features.len() as u32;
-        let (middle, _) = self.patch.ball();
-        for rim in self.solid.rims() {
+        let (middle, radius) = self.patch.ball();
+        let tilt = DVec3::new(self.normal.x, 0.0, self.normal.z).length();
+        for rim in solid.rims() {
+            let number = next;
+            next += STARTS as u32;
+            if rim.away(middle) > radius + near + grown {
+                continue;
+            }
             let mut places = [DVec3::INFINITY; STARTS];
-            for (k, start) in self.starts(middle).into_iter().enumerate() {
-                let Some(point) = self.descend(&Curve::Ring(rim, start), 0.0) else {
+            // One that is steeper than any normal leans has one lowest place on all the surface.
+            let steeper = tilt - self.patch.twist();
+            let count = if steeper > 0.0 { 2 } else { STARTS };
+            let starts = self.starts(middle).into_iter().take(count);
+            for (k, start) in starts.enumerate() {
+                let ring = Curve::Ring(rim, start);
+                let Some((slope, _)) = self.slope(&ring, 0.0, &mut [0.5; 2]) else {
                     continue;
                 };
+                // By no more than this does the lowest place lie lower.
+                if 0.5 * slope * slope * rim.radius < self.negligible * steeper {
+                    continue;
+                }
+                let Some((place, n)) = self.descend(&ring, 0.0) else {
+                    continue;
+                };
+                let point = place - n * grown;
                 let near = ALIKE * rim.radius;
                 let mut all = features.iter().chain(&places[..k]);
                 if all.all(|other| other.distance(point) >= near) {
                     places[k] = point;
-                    found((next + k as u32, point));
+                    found((number + k as u32, point));
                 }
             }
-            next += STARTS as u32;
         }
-        let (lo, hi) = bounds(self.patch.corners().iter().copied());
-        let margin = DVec3::splat(self.near + self.solid.edge_radius());
-        let descend = |[a, b]: [DVec3; 2]| {
-            let apart = a.max(b).cmplt(lo - margin) | a.min(b).cmpgt(hi + margin);
-            if apart.any() {
-                return None;
-            }
-            let start = (middle - a).dot(b - a) / a.distance_squared(b);
-            self.descend(&Curve::Line(a, b), start)
-        };
+        let margin = near + grown;
         let mut on_side = None;
-        self.solid.for_each_line(self.normal, &mut |i, line| {
-            if let Some(point) = descend(line) {
-                on_side = Some(point);
-                if !self.solid.has_rim() {
-                    found((next + i, point));
-                }
+        solid.for_each_line(self.normal, &mut |i, line| {
+            let lowest = self.lowest_on(line, margin);
+            on_side = lowest.or(on_side);
+            if let Some((place, n)) = lowest
+                && !solid.has_rim()
+            {
+                found((next + i, place - n * grown));
             }
         });
         // The side of a cylinder or a cone is lowest along another line for the normal there.
-        if self.solid.has_rim()
-            && let Some(normal) = on_side.and_then(|point| self.below(point))
+        if solid.has_rim()
+            && let Some((_, normal)) = on_side
         {
-            self.solid.for_each_line(normal, &mut |i, line| {
-                if let Some(point) = descend(line) {
-                    found((next + i, point));
+            solid.for_each_line(normal, &mut |i, line| {
+                if let Some((place, n)) = self.lowest_on(line, margin) {
+                    found((next + i, place - n * grown));
                 }
             });
         }
     }
 
-    /// Directions from the axis: to what is lowest for the normal of the middle, from there on by quarters, and to the middle.
+    /// Whether a line may be within `near` m.
+    fn is_near(&self, [a, b]: [DVec3; 2], near: f64) -> bool {
+        let (lo, hi) = bounds(self.patch.corners().iter().copied());
+        let apart = a.max(b).cmplt(lo - near) | a.min(b).cmpgt(hi + near);
+        !apart.any()
+    }
+
+    /// The lowest place of a line, unless that is one of its ends, with the normal of the face there; may be none for a line
+    /// that is more than `near` m away.
+    pub fn lowest_on(&self, [a, b]: [DVec3; 2], near: f64) -> Option<(DVec3, DVec3)> {
+        let along = b - a;
+        if !self.is_near([a, b], near) || !self.bulges(along) {
+            return None;
+        }
+        let (middle, _) = self.patch.ball();
+        let start = (middle - a).dot(along) / along.length_squared();
+        self.descend(&Curve::Line(a, b), start)
+    }
+
+    /// Whether a line that goes in this direction may be lowest somewhere over the face: where it is steeper than any normal leans it
+    /// goes down all the way, and along a valley it is lowest at its ends.
+    fn bulges(&self, along: DVec3) -> bool {
+        let is_steep = along.dot(self.normal).abs() > self.patch.twist() * along.length();
+        !is_steep && self.patch.rise(along).dot(self.normal) > self.negligible
+    }
+
+    /// Directions from the axis: to what is lowest for the normal of the middle, to the middle, and from the first on by quarters.
     fn starts(&self, middle: DVec3) -> [DVec3; STARTS] {
         let flat = |v: DVec3| DVec3::new(v.x, 0.0, v.z).normalize_or(DVec3::X);
         let lowest = flat(-self.normal);
         let quarter = turned(lowest, 0.0, 1.0);
-        [lowest, quarter, -lowest, -quarter, flat(middle)]
+        [lowest, flat(middle), quarter, -lowest, -quarter]
     }
 
-    /// Normal of the face below a place; `None` beside the face.
-    fn below(&self, place: DVec3) -> Option<DVec3> {
-        let n = self.patch.foot(place)?.normal;
-        Some(n * 1.0_f64.copysign(n.dot(self.normal)))
-    }
-
-    /// How steeply a curve rises over the face as it goes on.
-    fn slope(&self, curve: &Curve, t: f64) -> Option<f64> {
+    /// How steeply a curve rises over the face as it goes on, and the normal of the face there; `None` beside the face. Looked for
+    /// from the place \[u, v\] on it of one nearby.
+    fn slope(&self, curve: &Curve, t: f64, near: &mut [f64; 2]) -> Option<(f64, DVec3)> {
         let (place, along) = curve.at(t)?;
-        Some(self.below(place)?.dot(along))
+        let n = self.patch.normal_below(place, self.normal, near)?;
+        Some((n.dot(along), n))
     }
 
-    /// Goes down along a curve to where it is lowest; `None` where the way leaves the face before, whose edges are there, or the
-    /// curve, whose ends are.
-    fn descend(&self, curve: &Curve, start: f64) -> Option<DVec3> {
-        let (mut a, mut at_a) = (start, self.slope(curve, start)?);
+    /// Goes down along a curve to where it is lowest, and the normal there; `None` where the way leaves the face before, whose
+    /// edges are there, or the curve, whose ends are.
+    fn descend(&self, curve: &Curve, start: f64) -> Option<(DVec3, DVec3)> {
+        let mut near = [0.5; 2];
+        let (mut a, (mut at_a, _)) = (start, self.slope(curve, start, &mut near)?);
         let mut step = -STEP.copysign(at_a);
         let mut halvings = 0;
-        let (mut b, mut at_b) = loop {
+        let (mut b, (mut at_b, mut normal)) = loop {
             let next = a + step;
-            match self.slope(curve, next) {
+            let mut there = near;
+            match self.slope(curve, next, &mut there) {
                 None if halvings == HALVINGS => return None,
                 None => {
                     halvings += 1;
                     step *= 0.5;
                 }
-                Some(slope) if slope * at_a <= 0.0 => break (next, slope),
+                Some(found) if found.0 * at_a <= 0.0 => break (next, found),
                 Some(_) if (next - start).abs() > FARTHEST => return None,
-                Some(slope) => {
-                    (a, at_a) = (next, slope);
+                Some((slope, _)) => {
+                    (a, at_a, near) = (next, slope, there);
                     if halvings == 0 {
                         step *= 2.0;
                     }
@@ -131,11 +196,12 @@ impl Ridge<'_> {
         };
         // The Illinois method: the end that stays counts half.
         for _ in 0..SECANTS {
-            if at_a == at_b {
+            if at_a == at_b || at_b.abs() < FLAT {
                 break;
             }
             let c = (a * at_b - b * at_a) / (at_b - at_a);
-            let at_c = self.slope(curve, c)?;
+            let at_c;
+            (at_c, normal) = self.slope(curve, c, &mut near)?;
             if at_c * at_b < 0.0 {
                 (a, at_a) = (b, at_b);
             } else {
@@ -144,7 +210,7 @@ impl Ridge<'_> {
             (b, at_b) = (c, at_c);
         }
         let (lowest, _) = curve.at(b)?;
-        Some(lowest - self.below(lowest)? * self.solid.edge_radius())
+        Some((lowest, normal))
     }
 }
 
@@ -175,11 +241,6 @@ impl Curve {
 /// A direction across the y axis, turned about it by an angle with this cosine and sine.
 fn turned(out: DVec3, cos: f64, sin: f64) -> DVec3 {
     out * cos + DVec3::new(out.z, 0.0, -out.x) * sin
-}
-
-/// Whether a face is twisted so much that it matters.
-pub(super) fn is_twisted(patch: &Patch) -> bool {
-    patch.twist() > FLAT
 }
 
 #[cfg(test)]
@@ -215,13 +276,8 @@ mod tests {
         let mut points = Vec::new();
         solid.feature_points(*normal, &mut points);
         let mut found = Vec::new();
-        let ridge = Ridge {
-            patch,
-            normal: *normal,
-            solid: &solid,
-            near: 0.1,
-        };
-        ridge.lowest(&points, &mut |p| found.push(p));
+        let ridge = Ridge::of(patch, *normal, 1e-3).unwrap();
+        ridge.lowest_of(&solid, 0.1, &points, &mut |p| found.push(p));
         let all = points.iter().chain(found.iter().map(|(_, p)| p));
         let heights = all.filter_map(|p| height(patch, *p));
         heights.fold(f64::INFINITY, f64::min)

@@ -154,10 +154,18 @@ impl Making<'_, '_> {
         let nodes = side.topology.faces[f as usize].nodes();
         let patch = Patch::new(self.corners(nodes));
         let (lo, hi) = bounds(patch.corners().iter().copied());
-        let apart = part.solid.points_apart(lo, hi);
+        let points_apart = part.solid.points_apart(lo, hi);
+        // Between its edges a face meets nothing but points before it bulges.
+        let flat_for = bulge::flat_for(&part.solid, &patch, side.topology.spacing);
+        let apart = if flat_for < points_apart {
+            points_apart.min(part.solid.edges_apart(lo, hi).max(flat_for))
+        } else {
+            points_apart
+        };
         let apart = apart.max(bound);
         let beyond = apart > self.near || apart > self.reach(nodes, patch.corners());
-        if beyond && !self.touches.knows_last(p, f) {
+        let knows = self.touches.knows_last(p, f);
+        if beyond && !knows {
             return apart;
         }
         let (middle, radius) = patch.ball();
@@ -168,6 +176,13 @@ impl Making<'_, '_> {
         let Some(mut n) = patch.normal() else {
             return apart;
         };
+        let ridge = |normal| {
+            let ridge = Ridge::of(&patch, normal, side.topology.spacing);
+            ridge.filter(|_| flat_for <= 0.0)
+        };
+        if points_apart > self.near && !knows && ridge(n).is_none() {
+            return apart;
+        }
         let known = self.side(part, p, (nodes, &patch, n));
         if known.unwrap_or_else(|| (part.centre - middle).dot(n)) < 0.0 {
             if side.topology.closed {
@@ -182,6 +197,7 @@ impl Making<'_, '_> {
             part,
             key: [p, f],
             patch: &patch,
+            around: (middle, radius + self.near.max(self.deepest_point())),
             normal: n,
             told: known.is_some() || side.topology.closed,
             cone: points,
@@ -194,15 +210,10 @@ impl Making<'_, '_> {
             over.fold(f64::INFINITY, f64::min)
         };
         let lowest = points.iter().map(height).fold(f64::INFINITY, f64::min);
-        let twisted = bulge::is_twisted(&patch);
-        if twisted && lowest < self.near {
-            let ridge = Ridge {
-                patch: &patch,
-                normal: n,
-                solid: &part.solid,
-                near: self.near,
-            };
-            ridge.lowest(points, &mut |point| {
+        if lowest < self.near
+            && let Some(ridge) = ridge(n)
+        {
+            ridge.lowest_of(&part.solid, self.near, points, &mut |point| {
                 met.extend(self.meet_point(&facing, point));
             });
         }
@@ -214,21 +225,23 @@ impl Making<'_, '_> {
             // The other points of a rim are as high over all corners.
             return apart.max(lowest);
         }
+        let nearest = apart.max(flat_for.max(away));
+        if nearest <= apart {
+            return apart;
+        }
         // Grown points turn with the face, those they have grown from do not.
         let grown = n * part.solid.edge_radius();
         let far = points.iter().map(|&point| patch.apart(point + grown));
         let far = far.fold(f64::INFINITY, f64::min) - part.solid.edge_radius();
-        // Lines may be nearer than their ends to a face that is twisted, but no nearer than all that is.
-        apart.max(if twisted { far.min(away) } else { far })
+        // Lines may be nearer than their ends to a face that bulges, but no nearer than all that is.
+        apart.max(far.min(nearest))
     }
 
     /// A point of the part, by its number and place, if it meets a face.
     fn meet_point(&self, facing: &Facing, (i, point): (u32, DVec3)) -> Option<Met> {
         let (patch, n, [p, f]) = (facing.patch, facing.normal, facing.key);
-        let deepest = self.deepest_point();
         // Bounds first: most points are far from most faces.
-        let (middle, radius) = patch.ball();
-        let most = radius + self.near.max(deepest);
+        let (middle, most) = facing.around;
         if point.distance_squared(middle) > most * most {
             return None;
         }
@@ -251,7 +264,8 @@ impl Making<'_, '_> {
         if !can_push(away, -outward, self.touches.touched([p, i, f])) {
             return None;
         }
-        let found = self.over((i, point), (f, patch), (beside, &foot, outward), deepest)?;
+        let at = (beside, &foot, outward);
+        let found = self.over((i, point), (f, patch), at, self.deepest_point())?;
         (!self.is_internal_corner(facing.part, point, -n)).then_some(found)
     }
 
@@ -385,6 +399,8 @@ struct Facing<'a> {
     /// Of part and face.
     key: [u32; 2],
     patch: &'a Patch,
+    /// A ball that holds all points that matter \[m\].
+    around: (DVec3, f64),
     /// Of its middle, towards the part.
     normal: DVec3,
     /// Whether that is known for sure.

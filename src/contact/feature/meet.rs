@@ -1,9 +1,10 @@
 //! A corner of the target against a face of the body, and an edge against an edge: on which side, how deep, which way out.
 
+use super::bulge::Ridge;
 use super::convex::bounds;
 use super::making::{BORDER, Making, Met};
 use super::patch::Patch;
-use super::sharp::Corner;
+use super::sharp::{Corner, LINES};
 use crate::body::topology::NONE;
 use crate::contact::closest::{between_lines, between_segments};
 use crate::contact::cone::can_push;
@@ -70,6 +71,40 @@ impl Making<'_, '_> {
             self.deepest_point(),
         );
         (apart, met)
+    }
+
+    /// How far an edge of the target is from a face that is twisted, or less \[m\], and how it meets it between its ends and the
+    /// edges of the face. The outside of an open surface is where the edge was when it touched, or where its own flanks are.
+    pub(super) fn meet_line(&self, edge: &Edge, f: u32) -> (f64, Option<Met>) {
+        let topology = self.site.side.topology;
+        let patch = Patch::new(self.corners(topology.faces[f as usize].nodes()));
+        let (lo, hi) = bounds(patch.corners().iter().copied());
+        let [a, b] = edge.ends;
+        let apart = (lo - a.max(b)).max(a.min(b) - hi).max_element();
+        let key = [LINES, edge.id, f];
+        let touched = self.touches.touched(key);
+        if apart > self.near && !touched {
+            return (apart, None);
+        }
+        let met = || {
+            let normal = patch.normal()?;
+            let last = self.last_normal(key, normal);
+            let side = match last {
+                _ if topology.closed => normal,
+                Some(last) => -last,
+                None => edge.flanks().into_iter().sum(),
+            };
+            let normal = normal * 1.0_f64.copysign(normal.dot(side));
+            let ridge = Ridge::of(&patch, normal, topology.spacing)?;
+            let (place, outward) = ridge.lowest_on(edge.ends, self.near)?;
+            if !can_push(edge.flanks(), -outward, last.is_some()) {
+                return None;
+            }
+            let foot = patch.foot(place)?;
+            let at = (false, &foot, outward);
+            self.over((edge.id, place), (f, &patch), at, self.deepest_point())
+        };
+        (apart, met())
     }
 
     /// The normal that a point had when it last touched this face or one beside it that looks about the same way.

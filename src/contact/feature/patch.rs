@@ -67,6 +67,26 @@ impl Patch {
         (a - b + c - d).length() / a.distance(c).max(b.distance(d))
     }
 
+    /// By how much its middle rises over the ends of its diagonals, or these over it \[m\]; 0 for a triangle.
+    pub fn highest_rise(&self) -> DVec3 {
+        let [a, b, c, d] = self.corners;
+        if self.count == 3 {
+            return DVec3::ZERO;
+        }
+        (a - b + c - d) * 0.25
+    }
+
+    /// By how much its middle rises over the ends of a line on it that goes through that in a direction, from side to side, about
+    /// \[m\].
+    pub fn rise(&self, along: DVec3) -> DVec3 {
+        let [a, b, c, d] = self.corners;
+        let (u, v) = (0.5 * (b - a + c - d), 0.5 * (d - a + c - b));
+        let n = u.cross(v);
+        let (du, dv) = (along.cross(v).dot(n), u.cross(along).dot(n));
+        // x'' = 2u'v'·(a − b + c − d), and a chord of length 1 in the larger of u and v.
+        (a - b + c - d) * (-0.25 * du * dv / du.abs().max(dv.abs()).powi(2))
+    }
+
     /// Where a point comes down on it; `None` outside.
     pub fn foot(&self, p: DVec3) -> Option<Foot> {
         let n = self.normal()?;
@@ -157,6 +177,33 @@ impl Patch {
         };
         let [from, to] = [near, far].map(|p| (p - foot.point).dot(foot.normal));
         from * to < 0.0 && self.foot(near.lerp(far, from / (from - to))).is_some()
+    }
+
+    /// The unit normal of a quad under a point, on the side of `n`, which is that of its middle or the opposite; `None` beside
+    /// it. Found as [`Self::foot`] is, from the place \[u, v\] of one nearby, well enough for a normal.
+    pub fn normal_below(&self, p: DVec3, n: DVec3, [u, v]: &mut [f64; 2]) -> Option<DVec3> {
+        let [a, b, c, d] = self.corners;
+        let twist = a - b + c - d;
+        let (from_u, from_v) = (b - a, d - a);
+        let front = (c - a).cross(d - b).dot(n);
+        for _ in 0..6 {
+            let (along_u, along_v) = (from_u + twist * *v, from_v + twist * *u);
+            let normal = along_u.cross(along_v);
+            let area = normal.dot(n);
+            // Folded over.
+            if area * front <= 0.0 || area.is_nan() {
+                return None;
+            }
+            let off = p - (a + along_u * *u + from_v * *v);
+            let du = off.cross(along_v).dot(n) / area;
+            let dv = along_u.cross(off).dot(n) / area;
+            (*u, *v) = (*u + du, *v + dv);
+            if du.abs().max(dv.abs()) < 1e-4 {
+                let inside = u.min(*v) >= -1e-9 && u.max(*v) <= 1.0 + 1e-9;
+                return inside.then(|| normal.normalize() * 1.0_f64.copysign(front));
+            }
+        }
+        None
     }
 
     /// How far a point is from it, or less \[m\].
@@ -257,6 +304,34 @@ mod tests {
                 .unwrap();
             assert_eq!(beyond.point, DVec3::ZERO);
         }
+    }
+
+    #[test]
+    fn normals_are_those_of_feet() {
+        let corners = [
+            DVec3::new(0.0, 0.1, 0.0),
+            DVec3::new(0.2, 0.0, 1.2),
+            DVec3::new(1.1, 0.2, 0.9),
+            DVec3::new(1.0, 0.0, 0.1),
+        ];
+        let patch = Patch::new(corners.into_iter());
+        let n = patch.normal().unwrap();
+        let mut feet = 0;
+        for i in 0..400 {
+            let [x, z] = [i % 20, i / 20].map(|k| 0.08 * f64::from(k) - 0.2);
+            let p = DVec3::new(x, 0.3, z);
+            for side in [n, -n] {
+                let below = patch.normal_below(p, side, &mut [0.5; 2]);
+                let foot = patch.foot(p);
+                assert_eq!(below.is_some(), foot.is_some(), "{p}");
+                if let (Some(below), Some(foot)) = (below, foot) {
+                    feet += 1;
+                    let of_foot = foot.normal * 1.0_f64.copysign(foot.normal.dot(side));
+                    assert!(below.distance(of_foot) < 1e-4, "{below} {of_foot}");
+                }
+            }
+        }
+        assert!(feet > 100, "{feet}");
     }
 
     #[test]

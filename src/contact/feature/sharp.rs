@@ -25,6 +25,10 @@ pub(super) const FLAT: f64 = 1e-3;
 /// How many times the present reach lists are made for, besides what is looked for now.
 const AHEAD: f64 = 16.0;
 
+/// First part of the keys of corners on faces, and of edges on them.
+const CORNERS: u32 = 0;
+pub(super) const LINES: u32 = 1;
+
 /// A point where edges end.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Corner {
@@ -50,7 +54,10 @@ pub struct SharpFeatures {
     points: Vec<[u32; 2]>,
     /// An edge of the body and the index of one of the target, in ascending order.
     crossings: Vec<[u32; 2]>,
+    /// Index of an edge and a face, in ascending order.
+    lines: Vec<[u32; 2]>,
     points_watch: Watch,
+    lines_watch: Watch,
     crossings_watch: Watch,
     pub(super) on_faces: Touches,
     /// Keys are the body's edge, the target's, and whether that is a border.
@@ -164,31 +171,40 @@ impl SharpFeatures {
             deep: false,
         };
         let met = &mut self.buffers.met;
-        met.clear();
-        let (corners, cone, points) = (&self.corners, &self.cone, &self.points);
-        let meet = |making: &Making, met: &mut Vec<Met>, [c, f]: [u32; 2]| {
+        let (corners, cone, edges) = (&self.corners, &self.cone, &self.edges);
+        let meet_corner = |making: &Making, [c, f]: [u32; 2]| {
             let corner = &corners[c as usize];
             let [first, end] = corner.cone;
-            let (apart, found) = making.meet_corner(corner, &cone[first as usize..end as usize], f);
-            met.extend(found);
-            if found.is_some() { 0.0 } else { apart }
+            making.meet_corner(corner, &cone[first as usize..end as usize], f)
         };
-        let look = |k: u32, _| meet(&making, met, points[k as usize]);
-        self.points_watch
-            .visit(points.len(), way, (near, near), look);
-        if making.misses_some(0, met) {
-            met.clear();
-            (making.near, making.deep) = (farthest, true);
-            let look = |k: u32, _| meet(&making, met, points[k as usize]);
-            self.points_watch
-                .visit(points.len(), way, (farthest, near), look);
-        }
-        for met in met.chunk_by(|a, b| a.point == b.point) {
-            making.point(0, met, false);
+        let meet_line = |making: &Making, [e, f]: [u32; 2]| making.meet_line(&edges[e as usize], f);
+        let points = (&self.points, &mut self.points_watch);
+        let lines = (&self.lines, &mut self.lines_watch);
+        let kinds: [(u32, _, &dyn Fn(&Making, [u32; 2]) -> (f64, Option<Met>)); 2] =
+            [(CORNERS, points, &meet_corner), (LINES, lines, &meet_line)];
+        for (kind, (pairs, watch), meet) in kinds {
+            (making.near, making.deep) = (near, false);
+            let mut look = |making: &Making, met: &mut Vec<Met>, reach: (f64, f64)| {
+                met.clear();
+                watch.visit(pairs.len(), way, reach, |k, _| {
+                    let (apart, found) = meet(making, pairs[k as usize]);
+                    met.extend(found);
+                    if found.is_some() { 0.0 } else { apart }
+                });
+                met.sort_unstable_by_key(|m| (m.point, m.face));
+            };
+            look(&making, met, (near, near));
+            if making.misses_some(kind, met) {
+                (making.near, making.deep) = (farthest, true);
+                look(&making, met, (farthest, near));
+            }
+            for met in met.chunk_by(|a, b| a.point == b.point) {
+                making.point(kind, met, false);
+            }
         }
         (making.near, making.deep) = (near, false);
         making.touches = &mut self.on_edges;
-        let (edges, crossings) = (&self.edges, &self.crossings);
+        let crossings = &self.crossings;
         self.crossings_watch
             .visit(crossings.len(), way, (near, near), |k, _| {
                 let [e, other] = crossings[k as usize];
@@ -201,8 +217,10 @@ impl SharpFeatures {
         self.edges.clear();
         self.points.clear();
         self.crossings.clear();
+        self.lines.clear();
         self.points_watch.reset();
         self.crossings_watch.reset();
+        self.lines_watch.reset();
         let Buffers { places, search, .. } = &mut self.buffers;
         places.clear();
         let nodes = 0..side.state.particles.len() as u32;
@@ -232,13 +250,24 @@ impl SharpFeatures {
                 self.points.push([corner, face]);
             },
         );
-        let edges = self.edges.iter().map(Edge::bounds);
+        let edges = || self.edges.iter().map(Edge::bounds);
         let own = side.topology.edges.iter();
-        pairs(edges, own.map(|e| around_nodes(e)), |edge, own| {
+        pairs(edges(), own.map(|e| around_nodes(e)), |edge, own| {
             self.crossings.push([own, edge]);
+        });
+        // Triangles are flat.
+        let faces = &side.topology.faces;
+        let quads = (0..).zip(faces).filter(|(_, face)| face.nodes().len() > 3);
+        let quads: Vec<u32> = quads.map(|(f, _)| f).collect();
+        let boxes = quads
+            .iter()
+            .map(|&f| around_nodes(faces[f as usize].nodes()));
+        pairs(edges(), boxes, |edge, q| {
+            self.lines.push([edge, quads[q as usize]]);
         });
         self.points.sort_unstable();
         self.crossings.sort_unstable();
+        self.lines.sort_unstable();
     }
 
     /// Takes the corners in a box from the ends of edges.
