@@ -51,18 +51,66 @@ pub struct SharpFeatures {
     /// By id.
     edges: Vec<Edge>,
     /// Index of a corner and a face, in ascending order.
-    points: Vec<[u32; 2]>,
+    points: Pairs,
     /// An edge of the body and the index of one of the target, in ascending order.
-    crossings: Vec<[u32; 2]>,
+    crossings: Pairs,
     /// Index of an edge and a face, in ascending order.
-    lines: Vec<[u32; 2]>,
-    points_watch: Watch,
-    lines_watch: Watch,
-    crossings_watch: Watch,
+    lines: Pairs,
     pub(super) on_faces: Touches,
     /// Keys are the body's edge, the target's, and whether that is a border.
     pub(super) on_edges: Touches,
     buffers: Buffers,
+}
+
+/// Pairs of something of the target and something of the body, all of which are watched.
+#[derive(Clone, Debug, Default)]
+struct Pairs {
+    list: Vec<[u32; 2]>,
+    watch: Watch,
+}
+
+impl Pairs {
+    fn clear(&mut self) {
+        self.list.clear();
+        self.watch.reset();
+    }
+
+    /// Has all looked at that may have come near, see [`Watch::visit`].
+    fn visit(&mut self, way: f64, reach: (f64, f64), mut look: impl FnMut([u32; 2]) -> f64) {
+        let list = &self.list;
+        self.watch
+            .visit(list.len(), way, reach, |k, _| look(list[k as usize]));
+    }
+
+    /// Adds the rows of points of one kind on faces. One that was known may be `farthest` m deep under another face.
+    fn add_rows(
+        &mut self,
+        making: &mut Making,
+        kind: u32,
+        (way, farthest): (f64, f64),
+        met: &mut Vec<Met>,
+        meet: impl Fn(&Making, [u32; 2]) -> (f64, Option<Met>),
+    ) {
+        let near = making.near;
+        let mut look = |making: &Making, met: &mut Vec<Met>| {
+            met.clear();
+            self.visit(way, (making.near, near), |pair| {
+                let (apart, found) = meet(making, pair);
+                met.extend(found);
+                if found.is_some() { 0.0 } else { apart }
+            });
+            met.sort_unstable_by_key(|m| (m.point, m.face));
+        };
+        look(making, met);
+        if making.misses_some(kind, met) {
+            (making.near, making.deep) = (farthest, true);
+            look(making, met);
+        }
+        for met in met.chunk_by(|a, b| a.point == b.point) {
+            making.point(kind, met, false);
+        }
+        (making.near, making.deep) = (near, false);
+    }
 }
 
 #[derive(Clone, Debug, Default)]
@@ -172,44 +220,21 @@ impl SharpFeatures {
         };
         let met = &mut self.buffers.met;
         let (corners, cone, edges) = (&self.corners, &self.cone, &self.edges);
-        let meet_corner = |making: &Making, [c, f]: [u32; 2]| {
+        let visit = (way, farthest);
+        let points = &mut self.points;
+        points.add_rows(&mut making, CORNERS, visit, met, |making, [c, f]| {
             let corner = &corners[c as usize];
             let [first, end] = corner.cone;
             making.meet_corner(corner, &cone[first as usize..end as usize], f)
-        };
-        let meet_line = |making: &Making, [e, f]: [u32; 2]| making.meet_line(&edges[e as usize], f);
-        let points = (&self.points, &mut self.points_watch);
-        let lines = (&self.lines, &mut self.lines_watch);
-        let kinds: [(u32, _, &dyn Fn(&Making, [u32; 2]) -> (f64, Option<Met>)); 2] =
-            [(CORNERS, points, &meet_corner), (LINES, lines, &meet_line)];
-        for (kind, (pairs, watch), meet) in kinds {
-            (making.near, making.deep) = (near, false);
-            let mut look = |making: &Making, met: &mut Vec<Met>, reach: (f64, f64)| {
-                met.clear();
-                watch.visit(pairs.len(), way, reach, |k, _| {
-                    let (apart, found) = meet(making, pairs[k as usize]);
-                    met.extend(found);
-                    if found.is_some() { 0.0 } else { apart }
-                });
-                met.sort_unstable_by_key(|m| (m.point, m.face));
-            };
-            look(&making, met, (near, near));
-            if making.misses_some(kind, met) {
-                (making.near, making.deep) = (farthest, true);
-                look(&making, met, (farthest, near));
-            }
-            for met in met.chunk_by(|a, b| a.point == b.point) {
-                making.point(kind, met, false);
-            }
-        }
-        (making.near, making.deep) = (near, false);
+        });
+        let lines = &mut self.lines;
+        lines.add_rows(&mut making, LINES, visit, met, |making, [e, f]| {
+            making.meet_line(&edges[e as usize], f)
+        });
         making.touches = &mut self.on_edges;
-        let crossings = &self.crossings;
-        self.crossings_watch
-            .visit(crossings.len(), way, (near, near), |k, _| {
-                let [e, other] = crossings[k as usize];
-                making.meet_edge(e, &edges[other as usize], edges)
-            });
+        self.crossings.visit(way, (near, near), |[e, other]| {
+            making.meet_edge(e, &edges[other as usize], edges)
+        });
     }
 
     /// Lists what is within `grow` m of the body.
@@ -218,9 +243,6 @@ impl SharpFeatures {
         self.points.clear();
         self.crossings.clear();
         self.lines.clear();
-        self.points_watch.reset();
-        self.crossings_watch.reset();
-        self.lines_watch.reset();
         let Buffers { places, search, .. } = &mut self.buffers;
         places.clear();
         let nodes = 0..side.state.particles.len() as u32;
@@ -247,13 +269,13 @@ impl SharpFeatures {
             corners,
             faces.map(|f| around_nodes(f.nodes())),
             |corner, face| {
-                self.points.push([corner, face]);
+                self.points.list.push([corner, face]);
             },
         );
         let edges = || self.edges.iter().map(Edge::bounds);
         let own = side.topology.edges.iter();
         pairs(edges(), own.map(|e| around_nodes(e)), |edge, own| {
-            self.crossings.push([own, edge]);
+            self.crossings.list.push([own, edge]);
         });
         // Triangles are flat.
         let faces = &side.topology.faces;
@@ -263,11 +285,11 @@ impl SharpFeatures {
             .iter()
             .map(|&f| around_nodes(faces[f as usize].nodes()));
         pairs(edges(), boxes, |edge, q| {
-            self.lines.push([edge, quads[q as usize]]);
+            self.lines.list.push([edge, quads[q as usize]]);
         });
-        self.points.sort_unstable();
-        self.crossings.sort_unstable();
-        self.lines.sort_unstable();
+        self.points.list.sort_unstable();
+        self.crossings.list.sort_unstable();
+        self.lines.list.sort_unstable();
     }
 
     /// Takes the corners in a box from the ends of edges.
