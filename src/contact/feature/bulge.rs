@@ -1,6 +1,6 @@
 //! Where rims and straight lines of a solid are lowest over a twisted face. Over a flat one these are points for its normal, and
 //! the ends of lines. The quads of a loaded sheet bend up along one diagonal and down along the other: over them a rim may be
-//! lowest in two places, anywhere on it, and the side of a cylinder or the edge of a box that lies along the ridge touches
+//! lowest in two places, anywhere on it, and the side of a cylinder or the edge of a mesh that lies along the ridge touches
 //! nothing but the middle of the face.
 
 use super::convex::bounds;

@@ -177,8 +177,8 @@ impl Making<'_, '_> {
             return apart;
         };
         let ridge = |normal| {
-            let ridge = Ridge::of(&patch, normal, side.topology.spacing);
-            ridge.filter(|_| flat_for <= 0.0)
+            let bulges = flat_for <= 0.0;
+            bulges.then(|| Ridge::of(&patch, normal, side.topology.spacing))?
         };
         if points_apart > self.near && !knows && ridge(n).is_none() {
             return apart;

@@ -52,12 +52,9 @@ impl Making<'_, '_> {
         let outward = if topology.closed {
             foot.normal
         } else {
-            let is_over = |outward: DVec3| can_push(cone.iter().copied(), -outward, false);
             let side = match last {
                 Some(last) => -last,
-                None if is_over(foot.normal) == is_over(-foot.normal) => p - foot.point,
-                None if is_over(foot.normal) => foot.normal,
-                None => -foot.normal,
+                None => lies_over(cone.iter().copied(), foot.normal).unwrap_or(p - foot.point),
             };
             foot.normal * 1.0_f64.copysign(foot.normal.dot(side))
         };
@@ -92,7 +89,11 @@ impl Making<'_, '_> {
             let side = match last {
                 _ if topology.closed => normal,
                 Some(last) => -last,
-                None => edge.flanks().into_iter().sum(),
+                None => lies_over(edge.flanks(), normal).unwrap_or_else(|| {
+                    let (middle, _) = patch.ball();
+                    let t = (middle - a).dot(b - a) / a.distance_squared(b);
+                    a.lerp(b, t.clamp(0.0, 1.0)) - middle
+                }),
             };
             let normal = normal * 1.0_f64.copysign(normal.dot(side));
             let ridge = Ridge::of(&patch, normal, topology.spacing)?;
@@ -205,6 +206,17 @@ impl Making<'_, '_> {
                 (into - along * into.dot(along)).normalize_or_zero()
             })
         })
+    }
+}
+
+/// The side of a face, as its normal or the opposite one, on which what goes away from a point of it in the directions of a `cone`
+/// lies; `None` if that may be either.
+fn lies_over(cone: impl IntoIterator<Item = DVec3> + Clone, normal: DVec3) -> Option<DVec3> {
+    let is_over = |n: DVec3| can_push(cone.clone(), -n, false);
+    match [is_over(normal), is_over(-normal)] {
+        [true, false] => Some(normal),
+        [false, true] => Some(-normal),
+        _ => None,
     }
 }
 
