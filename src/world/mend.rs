@@ -6,7 +6,7 @@ use super::work::node_work;
 use crate::coupling::observe::Answer;
 use crate::law::row::{pull_back, push_out};
 use crate::math::{DMat3, DVec3};
-use crate::solve::rows::{LEVER, RowNode, Rows, Term, Terms};
+use crate::solve::rows::{RowNode, Rows, Term, Terms};
 
 /// Nodes whose determinant of inertia is less than this, over the cube of Σ m·r² about their centre, count as lying on a line \[1\].
 const ON_A_LINE: f64 = 1e-4;
@@ -58,7 +58,7 @@ impl Group {
                 continue;
             }
             let taken = row.response.mass_ratio(row.normal);
-            let by = by * farthest(rows, row.terms);
+            let by = by * row.response.share;
             let lost = mend(members, rows, (row.terms, row.shadow, taken), by);
             if row.between {
                 let terms = &rows.terms[row.terms.range()];
@@ -74,21 +74,6 @@ impl Group {
                 mend(members, rows, (tie.terms, tie.shadow, 1.0), by);
             }
         }
-    }
-}
-
-/// What share of the way a point can be moved without moving one of its nodes [`LEVER`] times as far.
-fn farthest(rows: &Rows, terms: Terms) -> f64 {
-    let (mut own, mut give) = (0.0, 0.0_f64);
-    for t in rows.terms_of(terms) {
-        let by = t.share * rows.nodes[t.node as usize].inv_mass;
-        own += t.weight * by;
-        give = give.max(by.abs());
-    }
-    if give > LEVER * own {
-        LEVER * own / give
-    } else {
-        1.0
     }
 }
 

@@ -124,34 +124,6 @@ impl Solid {
         }
     }
 
-    /// Calls `found` for the straight lines along which a solid that is not grown can touch a face, `normal` being a unit normal
-    /// towards it, each with its number: edges of a hull whose sides look that way, the axis of a capsule, the line along which the side of a
-    /// cylinder or a cone is lowest.
-    pub fn for_each_line(&self, normal: DVec3, found: &mut dyn FnMut(u32, [DVec3; 2])) {
-        let faces = |[a, b]: [DVec3; 2]| (a + b).dot(normal) < 0.0;
-        let lowest = |y: f64, radius: f64| primitive::radial(-normal).1 * radius + DVec3::Y * y;
-        match &self.core {
-            Core::Segment(a, b) => found(0, [*a, *b]),
-            Core::Cylinder(half_height, radius) => {
-                let at = |y: f64| lowest(y, *radius);
-                found(0, [at(-half_height), at(*half_height)]);
-            }
-            Core::Cone(half_height, radius) => {
-                found(0, [lowest(-half_height, *radius), DVec3::Y * *half_height]);
-            }
-            Core::Hull(hull) => {
-                let mut i = 0;
-                hull.for_each_edge(&mut |ends, normals| {
-                    if faces(normals) {
-                        found(i, ends);
-                    }
-                    i += 1;
-                });
-            }
-            _ => {}
-        }
-    }
-
     /// The rims of a cylinder or a cone.
     pub fn rims(&self) -> impl Iterator<Item = Rim> + use<> {
         let (rims, count) = match self.core {
@@ -208,11 +180,6 @@ impl Solid {
     /// Whether it has rims, of which a face touches other points the more it turns.
     pub fn has_rim(&self) -> bool {
         matches!(self.core, Core::Cylinder(..) | Core::Cone(..))
-    }
-
-    /// Whether it is a box, grown or not.
-    pub fn is_box(&self) -> bool {
-        matches!(self.core, Core::Cuboid(_))
     }
 
     /// Whether a convex solid has a round side that a segment can touch between edges: that of a ball, a capsule, a cylinder

@@ -56,6 +56,42 @@ impl Solid {
         }
     }
 
+    /// Whether a solid has lines that [`Self::for_each_line`] tells.
+    pub fn has_lines(&self) -> bool {
+        matches!(
+            self.core,
+            Core::Segment(..) | Core::Cylinder(..) | Core::Cone(..) | Core::Hull(_)
+        )
+    }
+
+    /// Calls `found` for the straight lines along which a solid that is not grown can touch a face, `normal` being a unit normal
+    /// towards it, each with its number: edges of a hull whose sides look that way, the axis of a capsule, the line along which
+    /// the side of a cylinder or a cone is lowest. Not for boxes: but for what a face bulges between them their corners and the
+    /// edges of the face hold these, and to look for more would cost a sheet full of them a tenth of its time.
+    pub fn for_each_line(&self, normal: DVec3, found: &mut dyn FnMut(u32, [DVec3; 2])) {
+        let lowest = |y: f64, radius: f64| primitive::radial(-normal).1 * radius + DVec3::Y * y;
+        match &self.core {
+            Core::Segment(a, b) => found(0, [*a, *b]),
+            Core::Cylinder(half_height, radius) => {
+                let at = |y: f64| lowest(y, *radius);
+                found(0, [at(-half_height), at(*half_height)]);
+            }
+            Core::Cone(half_height, radius) => {
+                found(0, [lowest(-half_height, *radius), DVec3::Y * *half_height]);
+            }
+            Core::Hull(hull) => {
+                let mut i = 0;
+                hull.for_each_edge(&mut |ends, [left, right]| {
+                    if (left + right).dot(normal) < 0.0 {
+                        found(i, ends);
+                    }
+                    i += 1;
+                });
+            }
+            _ => {}
+        }
+    }
+
     /// How far the box from `lo` to `hi` must grow, at least, before it can hold one of the
     /// [feature points](Self::feature_points) of a convex solid, whatever the normal \[m\].
     pub fn points_apart(&self, lo: DVec3, hi: DVec3) -> f64 {

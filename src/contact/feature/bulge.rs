@@ -29,10 +29,9 @@ const NEGLIGIBLE: f64 = 1e-3;
 const ALIKE: f64 = 0.05;
 
 /// How far the nodes of a face of a body with this spacing must move before it bulges so much that it matters to a solid, at
-/// least \[m\]. To boxes it never does: their corners and edges hold them but for that bulge, and to look for more would cost
-/// a sheet full of them a tenth of its time.
+/// least \[m\].
 pub(super) fn flat_for(solid: &Solid, patch: &Patch, spacing: f64) -> f64 {
-    if patch.corners().len() == 3 || solid.is_box() {
+    if patch.corners().len() == 3 || !solid.has_lines() {
         return f64::INFINITY;
     }
     NEGLIGIBLE * spacing - patch.highest_rise().length()

@@ -1,13 +1,12 @@
 //! Faces and edges of one body against the convex parts of a solid.
 
 use super::bulge::{self, Ridge};
-use super::making::{BORDER, Making, Met};
+use super::making::{Making, Met};
 use super::meet::{ALIKE, share_node};
 use super::part::{Convex, Part};
 use super::patch::Patch;
-use super::sharp::FLAT;
 use crate::contact::cone::can_push;
-use crate::contact::distance::{Crossing, Solid};
+use crate::contact::distance::Solid;
 use crate::contact::site::Site;
 use crate::contact::target::{Frame, Target};
 use crate::contact::touches::{Key, Touches};
@@ -16,9 +15,6 @@ use crate::solve::rows::Rows;
 
 /// A convex part rounder than this many spacings needs no feature contacts: an edge dips into it by a fiftieth of its length.
 const ROUND: f64 = 6.0;
-
-/// Stands for an edge of the part where an edge of the body comes nearest to a round side.
-const ROUND_SIDE: u32 = u32::MAX;
 
 /// Faces and edges of one body near the convex parts of one target.
 #[derive(Clone, Debug)]
@@ -293,104 +289,6 @@ impl Making<'_, '_> {
         };
         last(true).or_else(over).or_else(|| last(false))
     }
-
-    /// Whether an edge that is so deep in another one of the part \[m\] may have slid on from one beside it: this edge or a
-    /// neighbour was about as deep when it last touched from the same side.
-    fn has_slid_on(&self, [p, e, _]: Key, normal: DVec3, depth: f64) -> bool {
-        let edges = &self.site.side.topology.edges;
-        let nodes = edges[e as usize];
-        let is = |[part, own, _]: Key| {
-            let own = edges.get(own as usize);
-            part == p && own.is_some_and(|own| share_node(own, &nodes))
-        };
-        let before = self.touches.deepest_along(normal, ALIKE, is);
-        before.is_some_and(|before| depth <= before + self.site.reach.touching)
-    }
-
-    /// An edge against the part: where it crosses the part's edges and round corners, and where it comes nearest to a round side.
-    /// Returns how far it is from any of them, or less \[m\].
-    fn edge(&mut self, part: &Convex, [p, e]: [u32; 2], bound: f64) -> f64 {
-        let nodes = self.site.side.topology.edges[e as usize];
-        let corners = self.ends(&nodes);
-        let [a, b] = corners;
-        let apart = part.solid.edges_apart(a.min(b), a.max(b));
-        let apart = apart.max(bound);
-        let known = self.touches.knows([p, e]);
-        let beyond = apart > self.near || apart > self.reach(&nodes, &corners);
-        if beyond && !known {
-            return apart;
-        }
-        let away = part.solid.signed_distance(0.5 * (a + b)).0 - 0.5 * a.distance(b);
-        let apart = apart.max(away);
-        if away > self.skin + self.site.reach.farthest {
-            return apart;
-        }
-        let deepest = self.skin + 0.5 * part.solid.width();
-        let most = if known {
-            self.near.max(deepest)
-        } else {
-            self.near
-        };
-        let before = self.site.rows.contacts.len();
-        let end = BORDER * self.site.reach.touching / a.distance(b);
-        let cross = |making: &mut Self, c: Crossing| {
-            // So near an end it is the node's business, unless the edge goes in from there: then the node, which may have slid
-            // over the part's edge to the next face, does not hold it.
-            let from = if c.t < 0.5 { [a, b] } else { [b, a] };
-            let at_end = c.t.min(1.0 - c.t) < end;
-            if at_end && (c.edge == ROUND_SIDE || !enters(part, from)) {
-                return;
-            }
-            let place = a.lerp(b, c.t) - c.normal * c.distance;
-            if making.is_internal_edge(part, place, (b - a).normalize_or_zero(), c.normal) {
-                return;
-            }
-            let at = (c.t, c.normal, c.distance);
-            let key = [p, e, c.edge];
-            let depth = making.skin - c.distance;
-            let is_deep = depth > making.site.reach.touching && depth <= deepest;
-            let known =
-                making.touches.touched(key) || is_deep && making.has_slid_on(key, c.normal, depth);
-            making.across((key, known), (&nodes, &corners), at, deepest);
-        };
-        part.solid
-            .for_each_crossing(a, b, most, &mut |c| cross(self, c));
-        // Closed surfaces have faces on both sides of every edge, and these hold round corners.
-        let open = !self.site.side.topology.closed;
-        if open && self.skin + part.solid.edge_radius() > self.site.reach.touching {
-            part.solid.for_each_corner(a, b, most, &mut |c| {
-                // What is over a face beside the edge is that face's.
-                let flanks = self.flanks(e, corners, c.t);
-                if flanks.iter().all(|flank| flank.dot(c.normal) >= 0.0) {
-                    cross(self, c);
-                }
-            });
-        }
-        let mut side = f64::INFINITY;
-        if part.solid.has_round_side() {
-            let (t, distance, normal) = part.solid.nearest_on_segment(a, b);
-            side = distance;
-            if t > 0.0 && t < 1.0 {
-                let nearest = Crossing {
-                    edge: ROUND_SIDE,
-                    t,
-                    normal,
-                    distance,
-                };
-                cross(self, nearest);
-            }
-        }
-        if self.site.rows.contacts.len() > before {
-            // What touches may be deeper next time.
-            return 0.0;
-        }
-        if part.solid.has_round_side() {
-            // A rim is a part of the surface, and that is no nearer.
-            return apart.max(side);
-        }
-        let within = most.max(a.distance(b));
-        apart.max(part.solid.edges_from(a, b, within))
-    }
 }
 
 /// A face that the part may meet.
@@ -407,12 +305,6 @@ struct Facing<'a> {
     told: bool,
     /// The points of the part.
     cone: &'a [DVec3],
-}
-
-/// Whether an edge goes into the part from its first end: it does not where that is on a face which the edge lies on or leaves.
-fn enters(part: &Convex, [end, other]: [DVec3; 2]) -> bool {
-    let (_, normal) = part.solid.signed_distance(end);
-    normal.dot(other - end) < -FLAT * end.distance(other)
 }
 
 /// The box around some points.

@@ -8,6 +8,7 @@
 
 mod bulge;
 mod convex;
+mod convex_edges;
 mod internal;
 mod making;
 mod meet;

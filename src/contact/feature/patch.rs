@@ -227,14 +227,16 @@ impl Patch {
 mod tests {
     use super::*;
 
+    const TWISTED: [DVec3; 4] = [
+        DVec3::new(0.0, 0.1, 0.0),
+        DVec3::new(0.2, 0.0, 1.2),
+        DVec3::new(1.1, 0.2, 0.9),
+        DVec3::new(1.0, 0.0, 0.1),
+    ];
+
     #[test]
     fn feet_are_where_the_weights_say() {
-        let corners = [
-            DVec3::new(0.0, 0.1, 0.0),
-            DVec3::new(0.2, 0.0, 1.2),
-            DVec3::new(1.1, 0.2, 0.9),
-            DVec3::new(1.0, 0.0, 0.1),
-        ];
+        let corners = TWISTED;
         for count in [3, 4] {
             let patch = Patch::new(corners[..count].iter().copied());
             let normal = patch.normal().unwrap();
@@ -259,12 +261,7 @@ mod tests {
 
     #[test]
     fn no_foot_is_nearer_than_the_distance() {
-        let corners = [
-            DVec3::new(0.0, 0.1, 0.0),
-            DVec3::new(0.2, 0.0, 1.2),
-            DVec3::new(1.1, 0.2, 0.9),
-            DVec3::new(1.0, 0.0, 0.1),
-        ];
+        let corners = TWISTED;
         for count in [3, 4] {
             let patch = Patch::new(corners[..count].iter().copied());
             let mut feet = 0;
@@ -308,13 +305,7 @@ mod tests {
 
     #[test]
     fn normals_are_those_of_feet() {
-        let corners = [
-            DVec3::new(0.0, 0.1, 0.0),
-            DVec3::new(0.2, 0.0, 1.2),
-            DVec3::new(1.1, 0.2, 0.9),
-            DVec3::new(1.0, 0.0, 0.1),
-        ];
-        let patch = Patch::new(corners.into_iter());
+        let patch = Patch::new(TWISTED.into_iter());
         let n = patch.normal().unwrap();
         let mut feet = 0;
         for i in 0..400 {

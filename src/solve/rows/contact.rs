@@ -8,7 +8,7 @@ use crate::math::{DMat3, DVec3};
 /// How much faster, or farther, than the point of a contact one of its nodes may be moved where nothing takes the impulse back.
 /// A point close to a pinned node moves only if the others fly: what can't be stopped, or a depth, would throw them without
 /// bounds. A body that can be stopped throws them no harder than its own energy does.
-pub const LEVER: f64 = 10.0;
+pub(super) const LEVER: f64 = 10.0;
 
 /// How the two sides of a row answer its impulses, set by the pass for a substep.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +27,8 @@ pub struct Response {
     /// What an impulse may leave of the normal velocity: the row's softness, and what keeps nodes from being thrown, see
     /// [`LEVER`] \[1/kg\].
     pub softness: f64,
+    /// What share of a way the point can be moved without moving one of its nodes [`LEVER`] times as far \[1\].
+    pub share: f64,
     /// What the two sides make of an impulse.
     pub give: Give,
 }
@@ -42,6 +44,7 @@ impl Default for Response {
             rigid: DMat3::ZERO,
             mass: 0.0,
             softness: 0.0,
+            share: 1.0,
             give: Give::default(),
         }
     }

@@ -29,7 +29,7 @@ use crate::math::DVec3;
 use crate::solve::shadow::Shadow;
 use climb::Attempt;
 use composite::Composites;
-pub use contact::{LEVER, Row};
+pub use contact::Row;
 pub use joint::{Joint, JointRow};
 pub use rigid::RigidRow;
 use rigid::start_rigid;

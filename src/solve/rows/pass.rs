@@ -172,17 +172,11 @@ impl Pass<'_> {
             } else {
                 DMat3::ZERO
             };
-            let (give, taken) = match row.levers {
-                None => (self.points.give(row.terms), rigid),
-                Some(_) => (self.points.give_by_levers(row), DMat3::ZERO),
-            };
+            let give = self.points.give(row.terms);
+            let least = give / LEVER;
             let throws =
                 rigid == DMat3::ZERO && (shadow.v != DVec3::ZERO || shadow.w != DVec3::ZERO);
-            let lever = if throws {
-                (give / LEVER - own).max(0.0)
-            } else {
-                0.0
-            };
+            let lever = if throws { (least - own).max(0.0) } else { 0.0 };
             row.response = Response {
                 allowed,
                 chord: along,
@@ -190,7 +184,11 @@ impl Pass<'_> {
                 rigid,
                 mass: 0.0,
                 softness: row.softness + lever,
-                give: Give::of(give, &taken),
+                share: if least > own { own / least } else { 1.0 },
+                give: match row.levers {
+                    None => Give::of(give, &rigid),
+                    Some(_) => Give::of(self.points.give_by_levers(row), &DMat3::ZERO),
+                },
             };
             let resists = own + row.response.rigid_along(row.normal) + row.response.softness;
             row.response.mass = inverse(resists);

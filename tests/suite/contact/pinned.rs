@@ -47,6 +47,7 @@ fn what_cannot_be_stopped_throws_no_node_far() {
             }
         }
         println!("{part}: {} m/s", fastest.0);
+        // Ten times the speed of the box from each of the up to five edges and faces that meet in a node and touch.
         assert!(fastest.0 < 60.0, "{part}: {} m/s", fastest.0);
     }
 }
