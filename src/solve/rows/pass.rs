@@ -21,6 +21,10 @@ const SINKING: usize = 64;
 /// What counts as sinking in, per speed at which points are moved out. What is squeezed between two bodies is moved out of
 /// both, and gives way to the softer one at a small part of that speed.
 const SINKS: f64 = 0.03;
+/// After the passes asked for, points of faces and edges on rigid bodies are visited only in every so manieth one: they start
+/// warm, and what they leave they go on with in the next substep. Those of two deformables would lose friction by it, and
+/// contacts of rigid bodies would not bear what is put on them.
+const RESTS: usize = 4;
 
 impl Rows {
     /// Solves all rows in at most `passes` passes, or so many times as many where they need it, stopping once one changes
@@ -65,6 +69,7 @@ impl Rows {
             worklist: &mut self.worklist,
             squeezed,
             h,
+            rests: false,
             settled: Settled {
                 tolerance: 0.0,
                 negligible,
@@ -87,6 +92,8 @@ impl Rows {
                 break;
             }
             pass.settled.tolerance = if n < passes { 1e-9 } else { 1e-3 };
+            let late = (passes..COUPLED * passes).contains(&n);
+            pass.rests = late && !self.blow && n % RESTS != 0;
             let changed = if reversed == (n % 2 == 0) {
                 pass.solve_joints(true)
                     | pass.solve_rigid(true)
@@ -142,6 +149,8 @@ pub(super) struct Pass<'a> {
     /// Whether `squeeze` is of these rows.
     pub squeezed: bool,
     h: f64,
+    /// Whether points of faces and edges rest in this pass, see [`RESTS`].
+    rests: bool,
     pub settled: Settled,
 }
 
@@ -224,6 +233,9 @@ impl Pass<'_> {
         for i in order {
             let row = &self.contacts[i];
             let terms = self.points.terms_of(row.terms);
+            if self.rests && terms.len() > 1 && !row.between {
+                continue;
+            }
             if !self.worklist.visit(i, terms, [row.shadow; 2]) {
                 continue;
             }
