@@ -83,7 +83,7 @@ pub struct Part {
 pub struct Point {
     /// Its nodes.
     pub parts: Vec<Part>,
-    /// Where it is held, relative to the body's centre of mass and in the body's axes \[m\]; 0 between deformables.
+    /// Where it is held, in the frame of the body \[m\]; 0 between deformables.
     pub anchor: DVec3,
 }
 
@@ -156,6 +156,8 @@ pub struct Bond<D> {
     pub points: Arc<[Point]>,
     /// About which the moment is taken, as an anchor is given; between deformables it is the mean of the held points.
     pub pivot: DVec3,
+    /// The body's centre of mass in its frame, as of this rigid step \[m\]: it moves when colliders come and go.
+    pub(crate) com: DVec3,
     /// Force at which it breaks \[N\].
     pub strength: f64,
     /// Moment at which it breaks \[N·m\].
@@ -171,6 +173,9 @@ pub struct Bond<D> {
     pub(crate) by_pins: Load,
     /// Elastic energy in the springs of a link \[J\].
     pub energy: f64,
+    /// By how much each point of a link moved relative to its anchor in the last substep, as rows left it \[m/s\]; none before
+    /// the first.
+    pub(crate) moved: Vec<DVec3>,
     /// What is held against the strength.
     pub average: Average,
     /// Set once it has broken.
@@ -218,10 +223,10 @@ impl<D> Bond<D> {
         held.flat_map(|point| point.parts.iter().map(|p| p.node))
     }
 
-    /// From each anchor to its held point \[m\]. `com` and `rot` are those of the rigid body.
+    /// From each anchor to its held point \[m\]. `origin` and `rot` are the frame of the rigid body.
     pub fn errors(
         &self,
-        com: DVec3,
+        origin: DVec3,
         rot: DQuat,
         own: &State<Real>,
         other: Option<&State<Real>>,
@@ -232,7 +237,7 @@ impl<D> Bond<D> {
             if between {
                 held
             } else {
-                held - (com + rot * point.anchor)
+                held - (origin + rot * point.anchor)
             }
         })
     }
@@ -249,13 +254,14 @@ impl<D> Bond<D> {
     ) -> DVec3 {
         let between = other.is_some();
         let (number, shadow) = shadow;
-        let (mut chord, mut chord_before) = (DMat3::ZERO, DMat3::ZERO);
-        if !between {
-            (chord, chord_before) = (chords(shadow.w, h), chords(shadow.before.1, -h));
-        }
-        for point in self.points.iter() {
+        let chord = if between {
+            DMat3::ZERO
+        } else {
+            chords(shadow.w, h)
+        };
+        for (i, point) in self.points.iter().enumerate() {
             let first = rows.terms.len();
-            let (mut at, mut held, mut before) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
+            let (mut at, mut held) = (DVec3::ZERO, DVec3::ZERO);
             for part in &point.parts {
                 let side = match &mut other {
                     Some(other) if part.other => other,
@@ -264,7 +270,6 @@ impl<D> Bond<D> {
                 let x = side.state.position(part.node as usize);
                 let node = slot(side.member, part.node, side.state, side.slots, rows);
                 at += x * part.weight;
-                before += rows.nodes[node as usize].before * part.weight;
                 if !part.other {
                     held += x * part.weight;
                 }
@@ -277,7 +282,7 @@ impl<D> Bond<D> {
             let arm = if between {
                 held
             } else {
-                shadow.rot * point.anchor
+                shadow.rot * (point.anchor - self.com)
             };
             let error = if between { at } else { at - (shadow.com + arm) };
             let ahead = chord * arm;
@@ -288,7 +293,7 @@ impl<D> Bond<D> {
                 attachment: index,
                 arm,
                 error,
-                before: before - chord_before * arm,
+                before: self.moved.get(i).copied().unwrap_or_default(),
                 chord: ahead,
                 bias: ahead,
                 softness: 0.0,
@@ -296,9 +301,6 @@ impl<D> Bond<D> {
                 mass: Default::default(),
                 give: Default::default(),
             };
-            if !between {
-                tie.before -= shadow.velocity_before(arm);
-            }
             if let Hold::Link { stiffness, damping } = self.hold {
                 let (softness, pull, carry) = link(stiffness, damping, h);
                 tie.softness = softness;
@@ -310,7 +312,7 @@ impl<D> Bond<D> {
             let own = &rows.ties[rows.ties.len() - self.points.len()..];
             own.iter().map(|t| t.arm).sum::<DVec3>() / own.len().max(1) as f64
         } else {
-            shadow.rot * self.pivot
+            shadow.rot * (self.pivot - self.com)
         }
     }
 }

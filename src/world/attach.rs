@@ -1,6 +1,7 @@
 //! Attachments in the world: made, read, led after their rigid bodies, let go.
 
 use super::attachment::{AttachError, AttachTo, Attachment};
+use super::group::Ends;
 use super::{AttachmentHandle, Deformable, DeformableHandle, DeformableWorld, RapierParts};
 use crate::contact::target::wide_rotation;
 use crate::coupling::attach::{Bond, Hold, Load, Part, Point};
@@ -44,7 +45,7 @@ impl DeformableWorld {
             .ok_or(AttachError::UnknownDeformable(deformable))?;
         let hold = checked(&attachment)?;
         let nodes = nodes_of(&attachment, soft)?;
-        let (com, rot) = match target {
+        let (origin, rot) = match target {
             AttachTo::Body(body) => frame(bodies.get(body).ok_or(AttachError::UnknownBody(body))?),
             _ => (DVec3::ZERO, DQuat::IDENTITY),
         };
@@ -65,7 +66,7 @@ impl DeformableWorld {
             }
         } else {
             for point in &mut points {
-                point.anchor = rot.inverse() * (point.anchor - com);
+                point.anchor = rot.inverse() * (point.anchor - origin);
             }
         }
         let about = attachment.at.map_or(mean, wide);
@@ -76,7 +77,8 @@ impl DeformableWorld {
             hold,
             nodes: nodes.into(),
             points: points.into(),
-            pivot: rot.inverse() * (about - com),
+            pivot: rot.inverse() * (about - origin),
+            com: DVec3::ZERO,
             strength: attachment.strength.into(),
             moment_strength: attachment.moment_strength.into(),
             force: DVec3::ZERO,
@@ -84,6 +86,7 @@ impl DeformableWorld {
             torque: DVec3::ZERO,
             by_pins: Load::default(),
             energy: 0.0,
+            moved: Vec::new(),
             average: Default::default(),
             broken: None,
             loose: false,
@@ -152,7 +155,7 @@ impl DeformableWorld {
     }
 
     fn stretch(&self, bond: &AttachmentState, bodies: &RigidBodySet) -> Option<f64> {
-        let (com, rot) = match bond.target {
+        let (origin, rot) = match bond.target {
             AttachTo::Body(body) => frame(bodies.get(body)?),
             _ => (DVec3::ZERO, DQuat::IDENTITY),
         };
@@ -161,7 +164,7 @@ impl DeformableWorld {
             _ => None,
         };
         let own = &self.get(bond.deformable)?.state;
-        let errors = bond.errors(com, rot, own, other);
+        let errors = bond.errors(origin, rot, own, other);
         Some(errors.map(|e| e.length()).fold(0.0, f64::max))
     }
 
@@ -207,21 +210,30 @@ impl DeformableWorld {
     /// Brings held points to where Rapier's own step has left their rigid bodies, which shadows know only to the extent that
     /// joints and contacts answered as they did before. Positions alone: it completes the way over which the attachment has
     /// worked, so it is booked as work received from the body. The rate is unlimited; what was moved from outside is not
-    /// touched here.
-    pub(super) fn follow_rigid_bodies(&mut self, parts: &RapierParts) {
+    /// touched here. A link brings its nodes by what the body has missed its shadow's place, the more of it the stiffer it is:
+    /// what it is stretched by in between it would keep, and a stiff one throw the node.
+    pub(super) fn follow_rigid_bodies(&mut self, parts: &RapierParts, shadows: &Ends) {
         for (_, bond) in self.attachments.iter() {
             let rigid = bond.body().and_then(|b| parts.bodies.get(b));
             let (Some(rigid), Some(soft)) = (rigid, self.bodies.get_mut(bond.deformable.0)) else {
                 continue;
             };
-            if bond.loose || bond.is_link() || bond.is_broken() {
+            if bond.loose || bond.is_broken() || !rigid.is_enabled() || !soft.is_active() {
                 continue;
             }
-            if !rigid.is_enabled() || !soft.is_active() {
-                continue;
+            let (origin, rot) = frame(rigid);
+            let mut errors: Vec<_> = bond.errors(origin, rot, &soft.state, None).collect();
+            if let Hold::Link { stiffness, .. } = bond.hold {
+                let shadow = bond.body().and_then(|b| shadows.get(&b.into_raw_parts()));
+                let Some((com, turned)) = shadow else {
+                    continue;
+                };
+                let shadows = bond.errors(*com - *turned * bond.com, *turned, &soft.state, None);
+                for ((error, shadows), node) in errors.iter_mut().zip(shadows).zip(&*bond.nodes) {
+                    let mass = f64::from(soft.blueprint.nodes[*node as usize].mass);
+                    *error = (*error - shadows) * lead_of_link(stiffness, soft.h, mass);
+                }
             }
-            let (com, rot) = frame(rigid);
-            let errors: Vec<_> = bond.errors(com, rot, &soft.state, None).collect();
             let most = errors.iter().map(|e| e.length()).fold(0.0, f64::max);
             if most > 0.0 && most.is_finite() {
                 soft.shift_points(&bond.points, &errors);
@@ -262,11 +274,16 @@ impl Deformable {
     }
 }
 
-/// Centre of mass and orientation of a rigid body.
+/// Where a rigid body's frame is, and its axes.
 fn frame(body: &RigidBody) -> (DVec3, DQuat) {
-    let rot = wide_rotation(body.position().rotation);
-    let com = wide(body.position().translation) + rot * wide(body.local_center_of_mass());
-    (com, rot)
+    let at = body.position();
+    (wide(at.translation), wide_rotation(at.rotation))
+}
+
+/// What of the way of a node of `mass` kg, if it is not held, a link of this stiffness leads, in substeps of `h` s \[1\].
+fn lead_of_link(stiffness: f64, h: f64, mass: f64) -> f64 {
+    let stiff = 0.25 * h * h * stiffness;
+    stiff / (stiff + mass)
 }
 
 /// How the nodes are held, once its numbers are in range.

@@ -14,6 +14,7 @@ use crate::coupling::handover;
 use crate::coupling::linkage::Mobility;
 use crate::coupling::memory::{BodyMemory, Response};
 use crate::coupling::observe::{self, Answer, Surroundings};
+use crate::math::{DQuat, DVec3, wide};
 use crate::solve::shadow::Shadow;
 use rapier3d::dynamics::RigidBodyHandle;
 use std::collections::BTreeMap;
@@ -41,6 +42,9 @@ pub(super) struct Waiting {
 
 /// A sortable key of a body.
 pub(super) type BodyKey = (u32, u32);
+
+/// Where shadows ended: centres of mass \[m\] and orientations.
+pub(super) type Ends = BTreeMap<BodyKey, (DVec3, DQuat)>;
 
 /// What one deformable can meet in this step.
 pub(super) struct Reach {
@@ -162,8 +166,10 @@ impl DeformableWorld {
                 _ => None,
             };
             let rigid = bond.body().and_then(|b| parts.bodies.get(b));
+            let mut bond = bond.clone();
+            bond.com = rigid.map_or(DVec3::ZERO, |b| wide(b.local_center_of_mass()));
             let asleep = rigid.is_some_and(|b| b.is_dynamic() && b.is_sleeping());
-            group.add_attachment(member, other, shadow, (handle, bond.clone()), asleep);
+            group.add_attachment(member, other, shadow, (handle, bond), asleep);
         }
         for group in groups.values_mut() {
             group.find_rigid_constraints(&mut self.memory, &constraints, &around, dt);

@@ -2,7 +2,7 @@
 //! advanced, then Rapier steps, then rigid bodies get the rest of their impulses.
 
 use super::advance::{Advance, Moving};
-use super::group::Waiting;
+use super::group::{Ends, Waiting};
 use super::kinematic::KinematicTargets;
 use super::observer::Observer;
 use super::reach::Search;
@@ -241,6 +241,7 @@ impl DeformableWorld {
     /// Gives rigid bodies the rest of their impulses, learns their response, and wakes sleepers whose load has changed.
     fn hand_over(&mut self, parts: &mut RapierParts, dt: f64) {
         self.steps += 1;
+        let mut ends = Ends::new();
         for Waiting {
             touched,
             end,
@@ -249,6 +250,7 @@ impl DeformableWorld {
             holds,
         } in std::mem::take(&mut self.waiting)
         {
+            ends.insert(touched.body.into_raw_parts(), (end.com, end.rot));
             let sleeping = parts.bodies.get(touched.body);
             let sleeping = sleeping.is_some_and(|b| b.is_sleeping());
             let memory = self
@@ -268,7 +270,7 @@ impl DeformableWorld {
                 self.report.coupling_defect += handover::after_step(body, &pending, &end, memory);
             }
         }
-        self.follow_rigid_bodies(parts);
+        self.follow_rigid_bodies(parts, &ends);
         self.watch_sleepers(parts, dt);
         self.sense(parts);
     }

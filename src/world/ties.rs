@@ -27,10 +27,12 @@ pub(super) struct Attached {
     pub asleep: bool,
     /// The pivot, relative to what the arms of ties are relative to.
     pivot: DVec3,
-    /// Energy and average at the start of the rigid step.
-    start: (f64, Average),
+    /// Energy, average and last motion at the start of the rigid step.
+    start: (f64, Average, Vec<DVec3>),
     /// Energy of a link's springs before the substep and after it.
     held: (f64, f64),
+    /// How its points moved in the substep \[m/s\].
+    moves: Vec<DVec3>,
     just_broke: bool,
 }
 
@@ -55,7 +57,8 @@ pub(super) fn mirrored<'a>(
 impl Attached {
     /// Back to the start of the rigid step.
     pub fn go_back(&mut self) {
-        (self.bond.energy, self.bond.average) = self.start;
+        (self.bond.energy, self.bond.average) = (self.start.0, self.start.1);
+        self.bond.moved.clone_from(&self.start.2);
         self.bond.broken = None;
         self.just_broke = false;
         (self.load, self.by_pins) = Default::default();
@@ -100,13 +103,14 @@ impl Group {
             member,
             shadow,
             other,
-            start: (bond.energy, bond.average),
+            start: (bond.energy, bond.average, bond.moved.clone()),
             bond,
             load: Load::default(),
             by_pins: Load::default(),
             asleep,
             pivot: DVec3::ZERO,
             held: (0.0, 0.0),
+            moves: Vec::new(),
             just_broke: false,
         });
     }
@@ -140,6 +144,7 @@ impl Group {
                 slots: &mut other.1.slots,
             });
             a.held = (0.0, 0.0);
+            a.moves.clear();
             let first = rows.ties.len();
             a.pivot = a.bond.add_ties(i, h, shadow, own, other, rows);
             if !a.bond.is_link() {
@@ -169,6 +174,7 @@ impl Group {
                 owner.solver.work.push_out += a.held.0 - a.bond.energy;
                 owner.links += a.held.1 - a.bond.energy;
                 a.bond.energy = a.held.1;
+                a.bond.moved.clone_from(&a.moves);
             }
             a.just_broke = a.bond.bear(-tied.impulse, -tied.moment, h, time);
             if a.just_broke {
@@ -211,7 +217,6 @@ impl Group {
         for tie in &self.rows.ties {
             let attached = &mut self.attachments[tie.attachment as usize];
             let shadow = &self.shadows[tie.shadow as usize];
-            let mut stretching = DVec3::ZERO;
             let mut velocity = DVec3::ZERO;
             for term in self.rows.terms_of(tie.terms) {
                 let node = &self.rows.nodes[term.node as usize];
@@ -219,18 +224,17 @@ impl Group {
                 let kick = HalfKick::noted(&self.kicks, term.node);
                 let (mean, work) = node_work(&mut self.members, node, kick, impulse);
                 work.rigid += impulse.dot(mean);
-                stretching += mean * term.weight;
                 velocity += node.v * term.weight;
             }
             if tie.softness > 0.0 {
                 velocity -= shadow.velocity_at(tie.arm) + tie.chord;
-                let anchor = shadow.velocity_before(tie.arm) + shadow.velocity_at(tie.arm);
-                stretching -= 0.5 * anchor;
+                attached.moves.push(velocity);
                 let link = LinkEnergy::of(attached.bond.hold, tie, velocity, h);
                 let owner = &mut self.members[attached.member as usize].1;
                 attached.held.0 += link.held.0;
                 attached.held.1 += link.held.1;
-                owner.solver.work.rigid -= tie.impulse.dot(stretching);
+                // By what spring and damper take, whatever the nodes or the body were told in between.
+                owner.solver.work.rigid -= 0.5 * tie.impulse.dot(tie.before + velocity);
                 owner.solver.work.damping += link.dissipated;
             }
             let load = Load {

@@ -20,7 +20,7 @@ pub struct Tie {
     pub arm: DVec3,
     /// Point minus anchor \[m\].
     pub error: DVec3,
-    /// Velocity relative to the anchor at the end of the last substep \[m/s\].
+    /// Velocity relative to the anchor by which a link moved in the last substep, none in its first \[m/s\].
     pub before: DVec3,
     /// What the anchor's mean velocity over the substep differs from that at its start \[m/s\].
     pub chord: DVec3,
