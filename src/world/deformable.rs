@@ -58,6 +58,8 @@ pub struct Deformable {
     pub(super) h: f64,
     /// Elastic energy in the links of its attachments \[J\].
     pub(super) links: f64,
+    /// Nodes whose velocities were set since the last substep.
+    pub(super) told: Vec<u32>,
     /// What queries remember until the nodes move.
     pub(super) cache: Cache,
     /// Anything the user wants to keep with the body.

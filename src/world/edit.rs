@@ -65,6 +65,7 @@ impl Deformable {
         let ok = node.index() < self.node_count() && has_square(linvel);
         if ok {
             self.edit(|body| body.state.set_velocity(node.index(), wide(linvel)));
+            self.told.push(node.0);
         }
         ok
     }
@@ -86,6 +87,7 @@ impl Deformable {
                     if body.state.particles[i].inv_mass == 0.0 {
                         continue;
                     }
+                    body.told.push(i as u32);
                     let arm = body.state.position(i) - com;
                     body.state
                         .set_velocity(i, wide(linvel) + wide(angvel).cross(arm));

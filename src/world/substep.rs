@@ -136,6 +136,7 @@ impl Group {
         self.rows.clear();
         self.rows.negligible = Negligible::of(h, s.length_unit);
         self.rows.push_out = s.push_out;
+        self.members.iter_mut().for_each(|(_, body)| body.begin(h));
         self.find_rows(h, s);
         self.note_kicks();
         for (_, body) in &mut self.members {

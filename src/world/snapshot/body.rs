@@ -47,6 +47,7 @@ struct Saved {
     shifted: f64,
     h: f64,
     links: f64,
+    told: Vec<u32>,
     /// Low and high half: not every format has 128 bits.
     user_data: [u64; 2],
 }
@@ -101,6 +102,7 @@ impl Saved {
             shifted: body.shifted,
             h: body.h,
             links: body.links,
+            told: body.told.clone(),
             user_data: [body.user_data as u64, (body.user_data >> 64) as u64],
         }
     }
@@ -147,7 +149,8 @@ impl Saved {
             ),
             (
                 self.led.iter().all(|(n, _)| known(n))
-                    && self.moved_out.iter().all(|(n, ..)| known(n)),
+                    && self.moved_out.iter().all(|(n, ..)| known(n))
+                    && self.told.iter().all(known),
                 "nodes that are led",
             ),
             (
@@ -209,6 +212,7 @@ impl Saved {
             shifted: self.shifted,
             h: self.h,
             links: self.links,
+            told: self.told,
             user_data: u128::from(self.user_data[0]) | u128::from(self.user_data[1]) << 64,
             ..Deformable::default()
         })

@@ -2,6 +2,7 @@
 
 use crate::fixtures::{bead, cube, floored, height};
 use crate::support::weightless;
+use crumple::body::{Net, Node, Spring};
 use crumple::math::DVec3;
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
@@ -150,6 +151,8 @@ fn pinned_nodes_stay() {
         assert!(set[handle].set_pinned(NodeId(i), false));
         assert!(set[handle].set_linvel_of(NodeId(i), Vector::ZERO));
     }
+    // What was set is meant for the place of a node, what the others have for half a substep before.
+    set.step(&mut world);
     let v = set[handle].linvel().y;
     set.step(&mut world);
     assert!((set[handle].linvel().y - v + 9.81 / 60.0).abs() < 1e-3);
@@ -221,4 +224,84 @@ fn a_pinned_node_inside_a_collider_stays() {
         set.step(&mut world);
     }
     assert_eq!(set[handle].position(NodeId(0)).unwrap(), before);
+}
+
+/// A body that is told to stand still in every frame has nothing to gain energy from, whatever its damping.
+#[test]
+fn standing_still_is_no_pump() {
+    for (viscosity, falls) in [(0.0, false), (5.0, false), (0.0, true)] {
+        let (mut world, mut set) = (weightless(1.0 / 60.0), DeformableWorld::default());
+        if falls {
+            (world, _) = floored(1.0 / 60.0);
+        }
+        let block = lattice(Vector::new(0.4, 0.3, 0.3), 0.1);
+        let block = DeformableBuilder::new(block)
+            .material(Material::elastic(2e5, 500.0).viscosity(viscosity))
+            .translation(Vector::Y * 0.15)
+            .can_sleep(false);
+        let block = set.insert(block).unwrap();
+        let place = set[block].position(NodeId(0)).unwrap().as_vec3();
+        let aside = place + Vector::new(1e-3, 5e-4, 0.0);
+        assert!(set.get_mut(block).unwrap().set_position(NodeId(0), aside));
+        let start = set[block].energies();
+        for _ in 0..300 {
+            assert!(set.get_mut(block).unwrap().set_linvel(Vector::ZERO));
+            set.step(&mut world);
+        }
+        let end = set[block].energies();
+        // What its own weight stores, where it has any.
+        let most = if falls { 0.07 } else { start.elastic };
+        assert!(end.elastic <= most, "{viscosity}: {} J", end.elastic);
+        let off = end.balance() - start.balance();
+        assert!(off.abs() < 5e-4, "{viscosity} {falls}: {off} J");
+    }
+}
+
+/// A stretched spring that is let go swings by what it was stretched, in a substep of nearly half its period too.
+#[test]
+fn what_is_let_go_swings_no_farther() {
+    let nodes = vec![
+        Node::new(Vector::ZERO, 1.0).pinned(),
+        Node::new(Vector::X * 1.1, 1.0),
+    ];
+    let springs = vec![Spring::new(0, 1, 1e4).rest_length(1.0)];
+    let mut world = weightless(1.0 / 60.0);
+    let mut set = DeformableWorld::default();
+    let body = DeformableBuilder::new(Net::new(nodes, springs)).can_sleep(false);
+    let body = set.insert(body).unwrap();
+    let start = set[body].energies();
+    let mut farthest = 0.0_f64;
+    for _ in 0..300 {
+        set.step(&mut world);
+        let x = set[body].position(NodeId(1)).unwrap().x;
+        farthest = farthest.max((x - 1.0).abs());
+    }
+    assert!(set[body].substep_length() > 0.015, "a test of nothing");
+    assert!((0.095..0.1005).contains(&farthest), "{farthest} m");
+    let off = set[body].energies().balance() - start.balance();
+    assert!(off.abs() < 1e-3 * start.elastic, "{off} J");
+}
+
+/// Led to and fro on a spring, a node gives back all the work that was put in.
+#[test]
+fn leading_a_node_round_takes_no_work() {
+    let nodes = vec![
+        Node::new(Vector::ZERO, 1.0).pinned(),
+        Node::new(Vector::X, 1.0).pinned(),
+    ];
+    let net = Net::new(nodes, vec![Spring::new(0, 1, 1e3)]);
+    let mut world = weightless(1.0 / 240.0);
+    let mut set = DeformableWorld::default();
+    let body = set.insert(DeformableBuilder::new(net)).unwrap();
+    let start = set[body].energies();
+    for i in 1..=240 {
+        let x = 1.0 + 0.2 * (std::f32::consts::TAU * i as f32 / 240.0).sin();
+        let body = set.get_mut(body).unwrap();
+        assert!(body.set_kinematic_target(NodeId(1), Vector::X * x));
+        set.step(&mut world);
+    }
+    let end = set[body].energies();
+    assert!(end.work.external.abs() < 1e-3, "{} J", end.work.external);
+    let off = end.balance() - start.balance();
+    assert!(off.abs() < 1e-3, "{off} J");
 }
