@@ -149,12 +149,14 @@ pub fn after_step(
     end: &Shadow,
     memory: &mut BodyMemory,
 ) -> f64 {
+    let mut v = end.v;
     match pending.answer {
         Answer::None => return 0.0,
         // Rapier has put it to sleep in this step and its velocity to zero: it stays that way.
         Answer::Free if body.is_sleeping() => return 0.0,
         Answer::Free => {
             let (impulse, torque) = pending.given;
+            v -= end.ahead;
             give(body, (end.impulse - impulse, end.torque - torque));
         }
         Answer::Constrained | Answer::Jointed | Answer::Link => {
@@ -177,6 +179,5 @@ pub fn after_step(
             }
         }
     }
-    0.5 * (end.impulse.dot(end.v - wide(body.linvel()))
-        + end.torque.dot(end.w - wide(body.angvel())))
+    0.5 * (end.impulse.dot(v - wide(body.linvel())) + end.torque.dot(end.w - wide(body.angvel())))
 }

@@ -35,6 +35,8 @@ pub struct Shadow {
     /// Half the length of Rapier's solver iterations \[s\], see [`Self::synchronise`]; 0 for what is not free or
     /// is driven by a motor.
     pub lead: f64,
+    /// By how much its velocity is ahead of Rapier's because of that \[m/s\].
+    pub ahead: DVec3,
     /// Linear and angular damping \[1/s\].
     pub damping: (f64, f64),
     /// Angular impulse that it takes in the next substep, together with what is tied to it \[N·m·s\].
@@ -63,6 +65,7 @@ impl Shadow {
         acceleration: DVec3::ZERO,
         spin_up: DVec3::ZERO,
         lead: 0.0,
+        ahead: DVec3::ZERO,
         damping: (0.0, 0.0),
         late_torque: DVec3::ZERO,
         impulse: DVec3::ZERO,
@@ -141,7 +144,8 @@ impl Shadow {
     /// not velocity.
     pub fn synchronise(&mut self, h: f64) {
         if self.lead > 0.0 {
-            self.v += self.acceleration * (self.lead - 0.5 * h);
+            self.ahead = self.acceleration * (self.lead - 0.5 * h);
+            self.v += self.ahead;
             self.before.0 = self.v;
         }
     }

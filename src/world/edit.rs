@@ -59,7 +59,7 @@ impl Deformable {
         ok
     }
 
-    /// Sets the velocity of a node \[m/s\]; a pinned one goes on at it until told otherwise. Unknown ids and values
+    /// Sets the velocity of a node at its present place \[m/s\]; a pinned one goes on at it until told otherwise. Unknown ids and values
     /// that are not finite, or whose square is not, change nothing: `false`.
     pub fn set_linvel_of(&mut self, node: NodeId, linvel: Vector) -> bool {
         let ok = node.index() < self.node_count() && has_square(linvel);
@@ -70,7 +70,7 @@ impl Deformable {
         ok
     }
 
-    /// Gives all nodes that are not pinned one velocity \[m/s\]. Values that are not finite, or whose square is not, change
+    /// Gives all nodes that are not pinned one velocity at their present places \[m/s\]. Values that are not finite, or whose square is not, change
     /// nothing: `false`.
     pub fn set_linvel(&mut self, linvel: Vector) -> bool {
         self.set_velocities(linvel, Vector::ZERO)

@@ -239,3 +239,29 @@ fn ride_on_a_platform() {
         assert!(slip <= 0.015, "{mode:?}: slip {slip} m, at most 15 mm");
     }
 }
+
+/// What rests on a soft block, however heavy, is no defect of the coupling.
+#[test]
+fn a_heavy_box_at_rest_has_no_defect() {
+    let mut world = PhysicsWorld::default();
+    world.integration_parameters.dt = 1.0 / 60.0;
+    let ground = RigidBodyBuilder::fixed().translation(Vector::Y * -0.5);
+    world.insert(ground, ColliderBuilder::cuboid(5.0, 0.5, 5.0));
+    let load = RigidBodyBuilder::dynamic().translation(Vector::Y * 0.62);
+    let shape = ColliderBuilder::cuboid(0.2, 0.1, 0.2).mass(1000.0);
+    world.insert(load.can_sleep(false), shape);
+    let mut set = DeformableWorld::default();
+    let block = DeformableBuilder::new(lattice(Vector::splat(0.5), 0.25))
+        .material(Material::elastic(1e7, 300.0).viscosity(5e5))
+        .translation(Vector::Y * 0.25)
+        .can_sleep(false);
+    set.insert(block).unwrap();
+    let mut defect = 0.0;
+    for i in 0..600 {
+        set.step(&mut world);
+        if i >= 540 {
+            defect += set.report().coupling_defect;
+        }
+    }
+    assert!(defect.abs() < 1e-2, "{defect} J in a second");
+}
