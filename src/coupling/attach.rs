@@ -173,8 +173,8 @@ pub struct Bond<D> {
     pub(crate) by_pins: Load,
     /// Elastic energy in the springs of a link \[J\].
     pub energy: f64,
-    /// By how much each point of a link moved relative to its anchor in the last substep, as rows left it \[m/s\]; none before
-    /// the first.
+    /// By how much each point of a link moved relative to its anchor in the last substep, as rows left it \[m\]; none before the
+    /// first. A length, for substeps differ in theirs.
     pub(crate) moved: Vec<DVec3>,
     /// What is held against the strength.
     pub average: Average,
@@ -293,7 +293,7 @@ impl<D> Bond<D> {
                 attachment: index,
                 arm,
                 error,
-                before: self.moved.get(i).copied().unwrap_or_default(),
+                before: self.moved.get(i).copied().unwrap_or_default() / h,
                 chord: ahead,
                 bias: ahead,
                 softness: 0.0,
@@ -328,8 +328,7 @@ fn position(point: &Point, own: &State<Real>, other: Option<&State<Real>>) -> DV
     point.parts.iter().map(at).sum()
 }
 
-/// What the mean velocity over h s of a point turning at `w` differs from its velocity at the start, by its arm \[1/s\]; with
-/// a negative h, over the time before.
+/// What the mean velocity over h s of a point turning at `w` differs from its velocity at the start, by its arm \[1/s\].
 fn chords(w: DVec3, h: f64) -> DMat3 {
     let turn = DMat3::from_quat(DQuat::from_scaled_axis(w * h));
     let rate = DMat3::from_cols(w.cross(DVec3::X), w.cross(DVec3::Y), w.cross(DVec3::Z));
@@ -347,11 +346,9 @@ mod tests {
             DVec3::new(0.4, 0.1, -0.7),
             1e-3,
         );
-        for h in [h, -h] {
-            let end = arm + (w.cross(arm) + chords(w, h) * arm) * h;
-            assert!((end.length() - arm.length()).abs() < 1e-12);
-            let centripetal = w.cross(w.cross(arm)) * (0.5 * h);
-            assert!((chords(w, h) * arm - centripetal).length() < 0.02 * centripetal.length());
-        }
+        let end = arm + (w.cross(arm) + chords(w, h) * arm) * h;
+        assert!((end.length() - arm.length()).abs() < 1e-12);
+        let centripetal = w.cross(w.cross(arm)) * (0.5 * h);
+        assert!((chords(w, h) * arm - centripetal).length() < 0.02 * centripetal.length());
     }
 }

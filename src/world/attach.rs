@@ -8,6 +8,7 @@ use crate::coupling::attach::{Bond, Hold, Load, Part, Point};
 use crate::coupling::nearest::{nearest, pivot};
 use crate::math::{DQuat, DVec3, wide};
 use rapier3d::dynamics::{RigidBody, RigidBodySet};
+use std::collections::BTreeMap;
 
 /// An attachment as it is read: its nodes, target, force, moment, energy, and whether it broke.
 pub type AttachmentState = Bond<DeformableHandle>;
@@ -70,6 +71,11 @@ impl DeformableWorld {
             }
         }
         let about = attachment.at.map_or(mean, wide);
+        let com = match target {
+            AttachTo::Body(body) => bodies.get(body).map(|b| wide(b.local_center_of_mass())),
+            _ => None,
+        };
+        let com = com.unwrap_or_default();
         self.wake_attached(deformable, target);
         Ok(AttachmentHandle(self.attachments.insert(Bond {
             deformable,
@@ -78,7 +84,7 @@ impl DeformableWorld {
             nodes: nodes.into(),
             points: points.into(),
             pivot: rot.inverse() * (about - origin),
-            com: DVec3::ZERO,
+            com,
             strength: attachment.strength.into(),
             moment_strength: attachment.moment_strength.into(),
             force: DVec3::ZERO,
@@ -213,6 +219,13 @@ impl DeformableWorld {
     /// touched here. A link brings its nodes by what the body has missed its shadow's place, the more of it the stiffer it is:
     /// what it is stretched by in between it would keep, and a stiff one throw the node.
     pub(super) fn follow_rigid_bodies(&mut self, parts: &RapierParts, shadows: &Ends) {
+        let mut holders = BTreeMap::new();
+        let holding = self.attachments.iter().filter(|(_, b)| !b.is_broken());
+        for (_, bond) in holding {
+            for node in bond.nodes.iter() {
+                *holders.entry((bond.deformable.key(), *node)).or_insert(0) += 1;
+            }
+        }
         for (_, bond) in self.attachments.iter() {
             let rigid = bond.body().and_then(|b| parts.bodies.get(b));
             let (Some(rigid), Some(soft)) = (rigid, self.bodies.get_mut(bond.deformable.0)) else {
@@ -231,7 +244,10 @@ impl DeformableWorld {
                 let shadows = bond.errors(*com - *turned * bond.com, *turned, &soft.state, None);
                 for ((error, shadows), node) in errors.iter_mut().zip(shadows).zip(&*bond.nodes) {
                     let mass = f64::from(soft.blueprint.nodes[*node as usize].mass);
-                    *error = (*error - shadows) * lead_of_link(stiffness, soft.h, mass);
+                    // What something else holds as well, is led by neither.
+                    let alone = holders.get(&(bond.deformable.key(), *node)) == Some(&1);
+                    let share = lead_of_link(stiffness, soft.h, mass) * f64::from(u8::from(alone));
+                    *error = (*error - shadows) * share;
                 }
             }
             let most = errors.iter().map(|e| e.length()).fold(0.0, f64::max);

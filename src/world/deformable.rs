@@ -58,8 +58,9 @@ pub struct Deformable {
     pub(super) h: f64,
     /// Elastic energy in the links of its attachments \[J\].
     pub(super) links: f64,
-    /// Nodes whose velocities were set since the last substep.
+    /// Nodes whose velocities were set since the last substep, in ascending order, and those of the start of the rigid step.
     pub(super) told: Vec<u32>,
+    pub(super) told_before: Vec<u32>,
     /// What queries remember until the nodes move.
     pub(super) cache: Cache,
     /// Anything the user wants to keep with the body.
@@ -299,6 +300,7 @@ impl Deformable {
         floats
             .chain(self.state.origin.to_array().map(f64::to_bits))
             .chain(self.state.broken.iter().map(|b| u64::from(*b)))
+            .chain(self.told.iter().map(|n| u64::from(*n)))
             .fold(0xcbf2_9ce4_8422_2325, |hash, word| {
                 (hash ^ word).wrapping_mul(0x0000_0100_0000_01b3)
             })

@@ -65,9 +65,16 @@ impl Deformable {
         let ok = node.index() < self.node_count() && has_square(linvel);
         if ok {
             self.edit(|body| body.state.set_velocity(node.index(), wide(linvel)));
-            self.told.push(node.0);
+            self.tell(node.0);
         }
         ok
+    }
+
+    /// Notes that the velocity of a node is meant for its present place.
+    fn tell(&mut self, node: u32) {
+        if let Err(place) = self.told.binary_search(&node) {
+            self.told.insert(place, node);
+        }
     }
 
     /// Gives all nodes that are not pinned one velocity at their present places \[m/s\]. Values that are not finite, or whose square is not, change
@@ -83,6 +90,7 @@ impl Deformable {
         if ok {
             let com = self.center_of_mass();
             self.edit(|body| {
+                body.told.clear();
                 for i in 0..body.node_count() {
                     if body.state.particles[i].inv_mass == 0.0 {
                         continue;
@@ -135,6 +143,7 @@ impl Deformable {
                 body.blueprint.nodes[node.index()].pinned = pinned;
                 body.led.retain(|(n, _)| pinned || *n != node.0);
             });
+            self.tell(node.0);
         }
         ok
     }
@@ -281,6 +290,8 @@ impl Deformable {
     pub fn thaw(&mut self) {
         self.wake_up();
         self.frozen = false;
+        self.told.clear();
+        self.told.extend(0..self.node_count() as u32);
     }
 }
 

@@ -254,7 +254,8 @@ impl DeformableWorld {
                 [a.average.force, a.average.moment].map(|v| v.to_array().map(f64::to_bits));
             let [f, m] = average;
             let rest = [a.energy.to_bits(), u64::from(a.is_broken())];
-            f.into_iter().chain(m).chain(rest)
+            let moved = a.moved.iter().flat_map(|m| m.to_array().map(f64::to_bits));
+            f.into_iter().chain(m).chain(rest).chain(moved)
         });
         bodies
             .chain(memory)

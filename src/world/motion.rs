@@ -53,6 +53,9 @@ impl Deformable {
     /// Gives led nodes velocities. The kinetic energy of symplectic Euler is told half a substep on, so that the power of springs
     /// at them is in it: whoever leads them has put in what it changes by.
     fn lead_nodes(&mut self, led: &[(usize, DVec3)]) {
+        if led.is_empty() {
+            return;
+        }
         let mut moves = vec![false; self.state.particles.len()];
         for &(node, v) in led {
             moves[node] = self.state.velocity(node) != v;
@@ -131,8 +134,6 @@ impl Deformable {
         if all {
             told = (0..self.node_count() as u32).collect();
         }
-        told.sort_unstable();
-        told.dedup();
         self.edit(|body| {
             body.h = h;
             let gravity = body.gravity();
@@ -149,8 +150,8 @@ impl Deformable {
                 if inv_mass > 0.0 {
                     let elastic = solver.elastic_force(node) * inv_mass;
                     let net = elastic + solver.applied_force(node) * inv_mass + gravity;
-                    let balanced = net.length_squared() < elastic.length_squared();
-                    let kick = if balanced { net } else { elastic };
+                    let is_balanced = net.length_squared() < elastic.length_squared();
+                    let kick = if is_balanced { net } else { elastic };
                     let v = state.velocity(node) - kick * (0.5 * h);
                     state.set_velocity(node, v);
                 }
@@ -270,6 +271,7 @@ impl Deformable {
         if !self.solver.table.limits.is_empty() {
             self.backup.take_over_springs(&self.state);
         }
+        self.told_before.clone_from(&self.told);
         self.books = Books {
             work: self.solver.work,
             links: self.links,
@@ -285,6 +287,7 @@ impl Deformable {
         self.moved_out.clear();
         self.state.take_over_nodes(&self.backup);
         self.state.take_over_springs(&self.backup);
+        self.told.clone_from(&self.told_before);
         self.solver.work = self.books.work;
         self.solver.external.gravity = self.books.gravity;
         (self.links, self.h) = (self.books.links, self.books.h);

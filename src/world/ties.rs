@@ -31,7 +31,7 @@ pub(super) struct Attached {
     start: (f64, Average, Vec<DVec3>),
     /// Energy of a link's springs before the substep and after it.
     held: (f64, f64),
-    /// How its points moved in the substep \[m/s\].
+    /// How its points moved in the substep \[m\].
     moves: Vec<DVec3>,
     just_broke: bool,
 }
@@ -98,6 +98,8 @@ impl Group {
             impulse: DVec3::ZERO,
             moment: DVec3::ZERO,
         });
+        let links = if bond.is_link() { bond.points.len() } else { 0 };
+        let moves = Vec::with_capacity(links);
         self.attachments.push(Attached {
             handle,
             member,
@@ -110,7 +112,7 @@ impl Group {
             asleep,
             pivot: DVec3::ZERO,
             held: (0.0, 0.0),
-            moves: Vec::new(),
+            moves,
             just_broke: false,
         });
     }
@@ -174,7 +176,7 @@ impl Group {
                 owner.solver.work.push_out += a.held.0 - a.bond.energy;
                 owner.links += a.held.1 - a.bond.energy;
                 a.bond.energy = a.held.1;
-                a.bond.moved.clone_from(&a.moves);
+                std::mem::swap(&mut a.bond.moved, &mut a.moves);
             }
             a.just_broke = a.bond.bear(-tied.impulse, -tied.moment, h, time);
             if a.just_broke {
@@ -217,7 +219,7 @@ impl Group {
         for tie in &self.rows.ties {
             let attached = &mut self.attachments[tie.attachment as usize];
             let shadow = &self.shadows[tie.shadow as usize];
-            let mut velocity = DVec3::ZERO;
+            let (mut velocity, mut stretching) = (DVec3::ZERO, DVec3::ZERO);
             for term in self.rows.terms_of(tie.terms) {
                 let node = &self.rows.nodes[term.node as usize];
                 let impulse = tie.impulse * term.share;
@@ -225,16 +227,25 @@ impl Group {
                 let (mean, work) = node_work(&mut self.members, node, kick, impulse);
                 work.rigid += impulse.dot(mean);
                 velocity += node.v * term.weight;
+                stretching += mean * term.weight;
             }
             if tie.softness > 0.0 {
                 velocity -= shadow.velocity_at(tie.arm) + tie.chord;
-                attached.moves.push(velocity);
+                attached.moves.push(velocity * h);
                 let link = LinkEnergy::of(attached.bond.hold, tie, velocity, h);
                 let owner = &mut self.members[attached.member as usize].1;
                 attached.held.0 += link.held.0;
                 attached.held.1 += link.held.1;
-                // By what spring and damper take, whatever the nodes or the body were told in between.
-                owner.solver.work.rigid -= 0.5 * tie.impulse.dot(tie.before + velocity);
+                // What spring and damper take. If the nodes were told another velocity in between, or the body has got one, it
+                // is not what they were given: of a rigid body that is its work, else a loss.
+                let taken = 0.5 * tie.impulse.dot(tie.before + velocity);
+                let work = &mut owner.solver.work;
+                if attached.bond.body().is_some() {
+                    work.rigid -= taken;
+                } else {
+                    work.rigid -= tie.impulse.dot(stretching);
+                    work.damping += taken - tie.impulse.dot(stretching);
+                }
                 owner.solver.work.damping += link.dissipated;
             }
             let load = Load {

@@ -21,9 +21,9 @@ const SINKING: usize = 64;
 /// What counts as sinking in, per speed at which points are moved out. What is squeezed between two bodies is moved out of
 /// both, and gives way to the softer one at a small part of that speed.
 const SINKS: f64 = 0.03;
-/// After the passes asked for, points of faces and edges on rigid bodies are visited only in every so manieth one: they start
-/// warm, and what they leave they go on with in the next substep. Those of two deformables would lose friction by it, and
-/// contacts of rigid bodies would not bear what is put on them.
+/// After the passes asked for, points of several nodes on rigid bodies are visited only in every so manieth one, as long as
+/// nothing sinks in: they start warm, and what they leave they go on with in the next substep. Those of two deformables would
+/// lose friction by it, and contacts of rigid bodies would not bear what is put on them.
 const RESTS: usize = 4;
 
 impl Rows {
@@ -86,6 +86,7 @@ impl Rows {
         } else {
             passes
         };
+        let mut thorough = self.blow;
         for n in 0..most {
             let looks = n >= COUPLED * passes && n % passes == 0;
             if looks && !pass.sinks(SINKS * self.push_out) {
@@ -93,7 +94,7 @@ impl Rows {
             }
             pass.settled.tolerance = if n < passes { 1e-9 } else { 1e-3 };
             let late = (passes..COUPLED * passes).contains(&n);
-            pass.rests = late && !self.blow && n % RESTS != 0;
+            pass.rests = late && !thorough && n % RESTS != 0;
             let changed = if reversed == (n % 2 == 0) {
                 pass.solve_joints(true)
                     | pass.solve_rigid(true)
@@ -106,7 +107,10 @@ impl Rows {
                     | pass.solve_joints(false)
             };
             if !changed {
-                break;
+                thorough = pass.rests && pass.sinks(SINKS * self.push_out);
+                if !thorough {
+                    break;
+                }
             }
         }
         pass.follow_all();

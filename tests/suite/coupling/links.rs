@@ -13,7 +13,7 @@ const SCHEMES: [Integrator; 3] = [
     Integrator::Rk4,
 ];
 
-/// The place and the velocity that came first in a run.
+/// How far the first node has been from the origin.
 #[derive(Default)]
 struct Farthest(f64);
 

@@ -22,7 +22,7 @@ fn unrest(body: &RigidBody, colliders: &ColliderSet) -> f32 {
     let (v, w) = (body.linvel(), body.angvel());
     let to_axis = w.cross(v).length() / w.length_squared();
     if to_axis <= radius.fold(0.0, f32::max) {
-        v.dot(w).abs() / w.length()
+        (v.dot(w).abs() / w.length()).max(v.y.abs())
     } else {
         v.length()
     }
