@@ -219,7 +219,7 @@ impl Group {
         for tie in &self.rows.ties {
             let attached = &mut self.attachments[tie.attachment as usize];
             let shadow = &self.shadows[tie.shadow as usize];
-            let (mut velocity, mut stretching) = (DVec3::ZERO, DVec3::ZERO);
+            let mut velocity = DVec3::ZERO;
             for term in self.rows.terms_of(tie.terms) {
                 let node = &self.rows.nodes[term.node as usize];
                 let impulse = tie.impulse * term.share;
@@ -227,7 +227,6 @@ impl Group {
                 let (mean, work) = node_work(&mut self.members, node, kick, impulse);
                 work.rigid += impulse.dot(mean);
                 velocity += node.v * term.weight;
-                stretching += mean * term.weight;
             }
             if tie.softness > 0.0 {
                 velocity -= shadow.velocity_at(tie.arm) + tie.chord;
@@ -236,16 +235,8 @@ impl Group {
                 let owner = &mut self.members[attached.member as usize].1;
                 attached.held.0 += link.held.0;
                 attached.held.1 += link.held.1;
-                // What spring and damper take. If the nodes were told another velocity in between, or the body has got one, it
-                // is not what they were given: of a rigid body that is its work, else a loss.
-                let taken = 0.5 * tie.impulse.dot(tie.before + velocity);
-                let work = &mut owner.solver.work;
-                if attached.bond.body().is_some() {
-                    work.rigid -= taken;
-                } else {
-                    work.rigid -= tie.impulse.dot(stretching);
-                    work.damping += taken - tie.impulse.dot(stretching);
-                }
+                // By what spring and damper take, whatever the nodes or the body were told in between.
+                owner.solver.work.rigid -= 0.5 * tie.impulse.dot(tie.before + velocity);
                 owner.solver.work.damping += link.dissipated;
             }
             let load = Load {
