@@ -58,8 +58,9 @@ pub struct Deformable {
     pub(super) h: f64,
     /// Elastic energy in the links of its attachments \[J\].
     pub(super) links: f64,
-    /// Nodes whose velocities were set since the last substep, in ascending order, and those of the start of the rigid step.
+    /// Nodes whose velocities were set since the last substep, in ascending order.
     pub(super) told: Vec<u32>,
+    /// Those of the start of the rigid step.
     pub(super) told_before: Vec<u32>,
     /// What queries remember until the nodes move.
     pub(super) cache: Cache,

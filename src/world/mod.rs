@@ -14,6 +14,7 @@ mod deformable;
 mod edit;
 mod embed;
 mod energies;
+mod follow;
 mod group;
 mod hooks;
 mod into;

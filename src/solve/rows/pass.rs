@@ -153,7 +153,7 @@ pub(super) struct Pass<'a> {
     /// Whether `squeeze` is of these rows.
     pub squeezed: bool,
     h: f64,
-    /// Whether points of faces and edges rest in this pass, see [`RESTS`].
+    /// Whether points of several nodes rest in this pass, see [`RESTS`].
     rests: bool,
     pub settled: Settled,
 }

@@ -11,21 +11,13 @@ fn heap() -> (Run, Figures) {
     (run, figures)
 }
 
-/// The speed of a rigid body, of a ball or a capsule that of its slowest point \[m/s\]: what rolls, on a floor or to and fro
-/// in a trough, Rapier lets roll on.
+/// The speed of a rigid body, of a ball that of its lowest point \[m/s\]: Rapier lets what rolls on a floor roll on.
 fn unrest(body: &RigidBody, colliders: &ColliderSet) -> f32 {
-    let radius = body.colliders().iter().filter_map(|c| {
-        let shape = colliders[*c].shape();
-        let ball = shape.as_ball().map(|b| b.radius);
-        ball.or_else(|| Some(shape.as_capsule()?.radius))
-    });
-    let (v, w) = (body.linvel(), body.angvel());
-    let to_axis = w.cross(v).length() / w.length_squared();
-    if to_axis <= radius.fold(0.0, f32::max) {
-        (v.dot(w).abs() / w.length()).max(v.y.abs())
-    } else {
-        v.length()
-    }
+    let balls = body.colliders().iter();
+    let radius = balls.filter_map(|c| Some(colliders[*c].shape().as_ball()?.radius));
+    let down = -Vector::Y * radius.fold(0.0, f32::max);
+    body.velocity_at_point(body.center_of_mass() + down)
+        .length()
 }
 
 #[test]

@@ -1,0 +1,99 @@
+//! Attached nodes follow their rigid bodies to where Rapier's own step has left these.
+
+use super::attach::frame;
+use super::group::Ends;
+use super::{Deformable, DeformableWorld, RapierParts};
+use crate::coupling::attach::{Hold, Part, Point};
+use crate::math::DVec3;
+use std::collections::BTreeMap;
+
+impl DeformableWorld {
+    /// Brings held points to where Rapier's own step has left their rigid bodies, which shadows know only to the extent that
+    /// joints and contacts answered as they did before. Positions alone: it completes the way over which the attachment has
+    /// worked, so it is booked as work received from the body. The rate is unlimited; what was moved from outside is not
+    /// touched here. A link brings its nodes by what the body has missed its shadow's place, the more of it the stiffer it is:
+    /// what it is stretched by in between it would keep, and a stiff one throw the node.
+    pub(super) fn follow_rigid_bodies(&mut self, parts: &RapierParts, shadows: &Ends) {
+        // How many attachments hold each node, where links ask for it.
+        let mut holders = BTreeMap::new();
+        let holding = || self.attachments.iter().filter(|(_, b)| !b.is_broken());
+        if holding().any(|(_, bond)| bond.is_link()) {
+            for (_, bond) in holding() {
+                for node in bond.nodes.iter() {
+                    *holders.entry((bond.deformable.key(), *node)).or_insert(0) += 1;
+                }
+            }
+        }
+        for (_, bond) in self.attachments.iter() {
+            let rigid = bond.body().and_then(|b| parts.bodies.get(b));
+            let (Some(rigid), Some(soft)) = (rigid, self.bodies.get_mut(bond.deformable.0)) else {
+                continue;
+            };
+            if bond.loose || bond.is_broken() || !rigid.is_enabled() || !soft.is_active() {
+                continue;
+            }
+            let (origin, rot) = frame(rigid);
+            let mut errors: Vec<_> = bond.errors(origin, rot, &soft.state, None).collect();
+            if let Hold::Link { stiffness, .. } = bond.hold {
+                let shadow = bond.body().and_then(|b| shadows.get(&b.into_raw_parts()));
+                let Some((com, turned)) = shadow else {
+                    continue;
+                };
+                let shadows = bond.errors(*com - *turned * bond.com, *turned, &soft.state, None);
+                for ((error, shadows), node) in errors.iter_mut().zip(shadows).zip(&*bond.nodes) {
+                    let mass = f64::from(soft.blueprint.nodes[*node as usize].mass);
+                    // What something else holds as well, is led by neither.
+                    let alone = holders.get(&(bond.deformable.key(), *node)) == Some(&1);
+                    let share = if alone {
+                        lead_of_link(stiffness, soft.h, mass)
+                    } else {
+                        0.0
+                    };
+                    *error = (*error - shadows) * share;
+                }
+            }
+            let most = errors.iter().map(|e| e.length()).fold(0.0, f64::max);
+            if most > 0.0 && most.is_finite() {
+                soft.shift_points(&bond.points, &errors);
+            }
+        }
+    }
+}
+
+impl Deformable {
+    /// Moves each point by minus its error as an impulse would, and books what that does to the energies as work of the rigid
+    /// body.
+    fn shift_points(&mut self, points: &[Point], errors: &[DVec3]) {
+        self.cache.forget();
+        let mut moved = vec![false; self.state.particles.len()];
+        let parts = points.iter().flat_map(|p| &p.parts);
+        parts.for_each(|part| moved[part.node as usize] = true);
+        let balance = self.energies_about(|n| moved[n]).balance();
+        let mut farthest = 0.0_f64;
+        for (point, error) in points.iter().zip(errors) {
+            let share = |p: &Part| {
+                let inv_mass = self.state.particles[p.node as usize].inv_mass;
+                p.weight * f64::from(inv_mass)
+            };
+            let response: f64 = point.parts.iter().map(|p| p.weight * share(p)).sum();
+            if response <= 0.0 {
+                continue;
+            }
+            for part in &point.parts {
+                let inv_mass = f64::from(self.state.particles[part.node as usize].inv_mass);
+                let by = *error * (-part.weight * inv_mass / response);
+                let node = part.node as usize;
+                farthest = farthest.max(by.length());
+                self.state.displace(node, by.as_vec3().to_array());
+            }
+        }
+        self.shifted += farthest;
+        self.solver.work.rigid += self.energies_about(|n| moved[n]).balance() - balance;
+    }
+}
+
+/// What of the way of a node of `mass` kg, if it is not held, a link of this stiffness leads, in substeps of `h` s \[1\].
+fn lead_of_link(stiffness: f64, h: f64, mass: f64) -> f64 {
+    let stiff = 0.25 * h * h * stiffness;
+    stiff / (stiff + mass)
+}
