@@ -9,7 +9,7 @@
 use super::ties::Average;
 use crate::body::state::State;
 use crate::contact::site::slot;
-use crate::law::row::link;
+use crate::law::row::{lean, link};
 use crate::math::{DMat3, DQuat, DVec3, Real};
 use crate::solve::rows::{Rows, Term, Tie};
 use crate::solve::shadow::Shadow;
@@ -176,6 +176,8 @@ pub struct Bond<D> {
     /// By how much each point of a link moved relative to its anchor in the last substep, as rows left it \[m\]; none before the
     /// first. A length, for substeps differ in theirs.
     pub(crate) moved: Vec<DVec3>,
+    /// How long that one was \[s\].
+    pub(crate) moved_in: f64,
     /// What is held against the strength.
     pub average: Average,
     /// Set once it has broken.
@@ -296,13 +298,14 @@ impl<D> Bond<D> {
                 before: self.moved.get(i).copied().unwrap_or_default() / h,
                 chord: ahead,
                 bias: ahead,
+                lean: lean(self.moved_in, h),
                 softness: 0.0,
                 impulse: DVec3::ZERO,
                 mass: Default::default(),
                 give: Default::default(),
             };
             if let Hold::Link { stiffness, damping } = self.hold {
-                let (softness, pull, carry) = link(stiffness, damping, h);
+                let (softness, pull, carry) = link(stiffness, damping, h, tie.lean);
                 tie.softness = softness;
                 tie.bias += tie.before * carry - error * pull;
             }

@@ -39,7 +39,7 @@ impl Average {
 pub struct LinkEnergy {
     /// Held by the spring before the substep and after it.
     pub held: (f64, f64),
-    /// Dissipated by the damper, never negative.
+    /// Dissipated by the damper, and where substeps change, never negative.
     pub dissipated: f64,
 }
 
@@ -52,12 +52,13 @@ impl LinkEnergy {
         };
         let held = |e: DVec3| 0.5 * stiffness * e.length_squared();
         let mean = 0.5 * (tie.before + velocity);
+        let leaning = (tie.lean - 0.5) * stiffness * (h * mean).length_squared();
         Self {
             held: (
                 held(tie.error - tie.before * (0.5 * h)),
                 held(tie.error + velocity * (0.5 * h)),
             ),
-            dissipated: damping * h * mean.length_squared(),
+            dissipated: damping * h * mean.length_squared() + leaning,
         }
     }
 }

@@ -91,6 +91,7 @@ impl DeformableWorld {
             by_pins: Load::default(),
             energy: 0.0,
             moved: Vec::new(),
+            moved_in: 0.0,
             average: Default::default(),
             broken: None,
             loose: false,

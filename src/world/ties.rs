@@ -28,7 +28,7 @@ pub(super) struct Attached {
     /// The pivot, relative to what the arms of ties are relative to.
     pivot: DVec3,
     /// Energy, average and last motion at the start of the rigid step.
-    start: (f64, Average, Vec<DVec3>),
+    start: (f64, Average, Vec<DVec3>, f64),
     /// Energy of a link's springs before the substep and after it.
     held: (f64, f64),
     /// How its points moved in the substep \[m\].
@@ -59,6 +59,7 @@ impl Attached {
     pub fn go_back(&mut self) {
         (self.bond.energy, self.bond.average) = (self.start.0, self.start.1);
         self.bond.moved.clone_from(&self.start.2);
+        self.bond.moved_in = self.start.3;
         self.bond.broken = None;
         self.just_broke = false;
         (self.load, self.by_pins) = Default::default();
@@ -105,7 +106,7 @@ impl Group {
             member,
             shadow,
             other,
-            start: (bond.energy, bond.average, bond.moved.clone()),
+            start: (bond.energy, bond.average, bond.moved.clone(), bond.moved_in),
             bond,
             load: Load::default(),
             by_pins: Load::default(),
@@ -177,6 +178,7 @@ impl Group {
                 owner.links += a.held.1 - a.bond.energy;
                 a.bond.energy = a.held.1;
                 std::mem::swap(&mut a.bond.moved, &mut a.moves);
+                a.bond.moved_in = h;
             }
             a.just_broke = a.bond.bear(-tied.impulse, -tied.moment, h, time);
             if a.just_broke {

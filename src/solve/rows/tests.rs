@@ -228,6 +228,7 @@ fn tie() -> Tie {
         arm: DVec3::ZERO,
         error: DVec3::ZERO,
         before: DVec3::ZERO,
+        lean: 0.5,
         chord: DVec3::ZERO,
         bias: DVec3::ZERO,
         softness: 0.0,

@@ -22,6 +22,8 @@ pub struct Tie {
     pub error: DVec3,
     /// Velocity relative to the anchor by which a link moved in the last substep, none in its first \[m/s\].
     pub before: DVec3,
+    /// How much of the elongation at its end a link takes, see [`lean`](crate::law::row::lean).
+    pub lean: f64,
     /// What the anchor's mean velocity over the substep differs from that at its start \[m/s\].
     pub chord: DVec3,
     /// Velocity the point must have relative to the anchor's \[m/s\].
