@@ -1,19 +1,14 @@
 //! The builder: a net with materials or a solid of tets, and how the body enters the world.
 
-use super::Deformable;
+mod build;
+
 use super::into::{IntoNet, IntoTetMesh};
 use super::params::Substeps;
-use super::sleep::Sleep;
-use crate::body::error::{not_negative, positive};
-use crate::body::{
-    self, Blueprint, BuildError, Embedded, Material, Net, Node, Solid, SolidMesh, Topology,
-};
-use crate::contact::encounter::outline;
-use crate::contact::target::{Surface, wide_rotation};
-use crate::math::{DVec3, Pose, Real, Rotation, Vector, narrow, wide};
+use crate::body::{self, BuildError, Material, Net, Solid, SolidMesh};
+use crate::contact::target::Surface;
+use crate::math::{Pose, Real, Rotation, Vector};
+use crate::solve::Integrator;
 use crate::solve::external::ForceField;
-use crate::solve::fem::{Model, Part};
-use crate::solve::{Integrator, Solver};
 use rapier3d::dynamics::CoefficientCombineRule;
 use rapier3d::geometry::InteractionGroups;
 use std::sync::Arc;
@@ -300,157 +295,4 @@ impl DeformableBuilder {
         self.user_data = data;
         self
     }
-
-    /// Resolves materials and masses and places the body.
-    ///
-    /// # Errors
-    /// Everything a [`BuildError`] can say of nets, materials and values. Whether the body is stable within its budget is
-    /// checked at insertion into a world, which knows the default scheme.
-    pub fn build(self) -> Result<Deformable, BuildError> {
-        for (what, v) in [
-            ("the translation", self.pose.translation),
-            ("the velocity", self.linvel),
-            ("the angular velocity", self.angvel),
-        ] {
-            if let Some(value) = v.to_array().into_iter().find(|c| !c.is_finite()) {
-                return Err(BuildError::Value {
-                    what,
-                    value: value.into(),
-                    must: "finite",
-                });
-            }
-        }
-        not_negative("the friction coefficient", self.surface.friction.into())?;
-        if let Some(threshold) = self.surface.contact_force_event_threshold {
-            not_negative("the threshold of force events", threshold.into())?;
-        }
-        not_negative("the thickness", self.surface.thickness.into())?;
-        if let Some(stiffness) = self.surface.stiffness {
-            positive("the contact stiffness", stiffness.into())?;
-        }
-        not_negative("the drag", self.drag.into())?;
-        if !self.gravity_scale.is_finite() {
-            return Err(BuildError::Value {
-                what: "the gravity scale",
-                value: self.gravity_scale.into(),
-                must: "finite",
-            });
-        }
-        if !wide_rotation(self.pose.rotation).is_finite() {
-            return Err(BuildError::Value {
-                what: "the length of the rotation's quaternion",
-                value: self.pose.rotation.length().into(),
-                must: "positive and finite",
-            });
-        }
-        if let Some(substeps) = self.substeps {
-            substeps.check()?;
-        }
-        let (material, regions) = (self.material, self.regions);
-        for m in material.iter().chain(regions.iter().map(|(_, m)| m)) {
-            m.check()?;
-        }
-        let material_at = |p: Vector| {
-            regions
-                .iter()
-                .rev()
-                .find(|(inside, _)| inside(p))
-                .map(|(_, m)| *m)
-                .or(material)
-        };
-        let mut net = self.net?;
-        let model = match &self.solid {
-            Some(_) if material.is_some() || !regions.is_empty() => {
-                return Err(BuildError::MaterialForTets);
-            }
-            Some(solid) => Some(elements(solid, &mut net)?),
-            None => None,
-        };
-        for pins in &self.pins {
-            net = net.pin(|x| pins(x));
-        }
-        match (self.skin, &self.solid) {
-            (SkinUse::Drawn, _) => {}
-            (SkinUse::Touches, _) => net.skin.as_mut().ok_or(BuildError::NoSkin)?.touches = true,
-            (SkinUse::Embedded(surface), Some(solid)) => {
-                net.skin = Some(solid.mesh.bind(&surface)?);
-            }
-            (SkinUse::Embedded(_), None) => return Err(BuildError::SkinWithoutTets),
-        }
-        let mut blueprint = Blueprint::resolve(net, material_at, self.total_mass)?;
-        blueprint.solid = self.solid.map(Arc::new);
-        let thickness = not_negative("the thickness", self.surface.thickness.into())?;
-        let embedded = Embedded::of(&blueprint);
-        let touching = embedded.as_ref().map_or(&blueprint, |e| &e.blueprint);
-        let limit = 0.5 * outline::spacing(touching);
-        if thickness > limit {
-            return Err(BuildError::TooThick { thickness, limit });
-        }
-        let mut state = blueprint.rest_state();
-        let (turn, shift) = (
-            wide_rotation(self.pose.rotation),
-            wide(self.pose.translation),
-        );
-        state.origin = shift;
-        for i in 0..state.particles.len() {
-            let (x, v) = (state.local(i), state.velocity(i));
-            state.set_position(i, shift + turn * x);
-            state.set_velocity(i, turn * v);
-        }
-        state.recentre(0.0);
-        let mut solver = Solver::new(&blueprint.springs, &state);
-        if let Some(model) = model {
-            let masses: Vec<f64> = blueprint.nodes.iter().map(|n| n.mass.into()).collect();
-            solver = solver.with_elements(Part::new(Arc::new(model), &masses));
-        }
-        solver.external.drag = self.drag;
-        let mut body = Deformable {
-            moved_out: Vec::new(),
-            slots: vec![u32::MAX; state.particles.len()],
-            backup: state.clone(),
-            topology: Arc::new(Topology::of(&blueprint)),
-            embedded,
-            blueprint,
-            state,
-            solver,
-            surface: self.surface,
-            gravity_scale: self.gravity_scale,
-            integrator: self.integrator,
-            substeps: self.substeps,
-            field: self.field,
-            enabled: self.enabled,
-            sleep: Sleep::new(self.can_sleep),
-            user_data: self.user_data,
-            ..Deformable::default()
-        };
-        let com = body.center_of_mass();
-        for i in 0..body.node_count() {
-            if body.state.particles[i].inv_mass > 0.0 {
-                let arm = body.state.position(i) - com;
-                let rigid = wide(self.linvel) + wide(self.angvel).cross(arm);
-                let v = body.state.velocity(i) + rigid;
-                body.state.set_velocity(i, v);
-            } else {
-                body.state.set_velocity(i, DVec3::ZERO);
-            }
-        }
-        body.datum = com;
-        body.follow();
-        Ok(body)
-    }
-}
-
-/// The elements of a solid, their nodes and faces put into a net.
-fn elements(solid: &SolidMesh, net: &mut Net) -> Result<Model<Real>, BuildError> {
-    let model = Model::new(&solid.mesh, solid.solid)?;
-    let node = |(x, mass): (&DVec3, f64)| Node::new(narrow(*x), mass as Real);
-    net.nodes = solid
-        .mesh
-        .nodes
-        .iter()
-        .zip(model.masses())
-        .map(node)
-        .collect();
-    net.faces = solid.mesh.faces.clone();
-    Ok(model)
 }

@@ -1,24 +1,18 @@
 //! Rigid bodies that press on each other or are joined: their shadows belong to the same group and keep these contacts
 //! and joints.
 
-use super::group::{BodyKey, shadow_of};
+use super::group::Origins;
 use super::substep::Group;
-use crate::coupling::constraints::{RigidConstraints, RigidContact, RigidJoint};
-use crate::coupling::memory::BodyMemory;
-use crate::coupling::observe::{Answer, Surroundings};
+use crate::coupling::constraints::{RigidContact, RigidJoint};
+use crate::coupling::observe::Answer;
 use crate::math::DVec3;
 use crate::solve::rows::{Joint, JointRow, RigidRow};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 impl Group {
     /// Adds the contacts and joints of all touched bodies with other rigid ones, and of those with others again.
-    pub fn find_rigid_constraints(
-        &mut self,
-        memory: &mut BTreeMap<BodyKey, BodyMemory>,
-        constraints: &RigidConstraints,
-        around: &Surroundings,
-        dt: f64,
-    ) {
+    pub fn find_rigid_constraints(&mut self, origins: &mut Origins) {
+        let constraints = origins.constraints;
         let (mut pressed, mut held) = (BTreeSet::new(), BTreeSet::new());
         let mut next = 0;
         while let Some(touched) = self.touched.get(next) {
@@ -27,17 +21,15 @@ impl Group {
                 continue;
             }
             let body = touched.body;
-            let mut shadow =
-                |group: &mut Self, b| shadow_of(group, b, memory, constraints, around, dt);
             for (number, contact) in constraints.contacts_of(body) {
                 if pressed.insert(number) {
-                    let shadows = contact.bodies.map(|b| shadow(self, b));
-                    self.add_rigid_contact(shadows, contact, dt);
+                    let shadows = contact.bodies.map(|b| origins.shadow(self, b));
+                    self.add_rigid_contact(shadows, contact, origins.dt);
                 }
             }
             for (number, joint) in constraints.joints_of(body) {
                 if held.insert(number) {
-                    let shadows = joint.bodies.map(|b| shadow(self, Some(b)));
+                    let shadows = joint.bodies.map(|b| origins.shadow(self, Some(b)));
                     self.add_joint(shadows, joint);
                 }
             }

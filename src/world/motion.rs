@@ -310,4 +310,29 @@ impl Deformable {
         });
         self.frozen = true;
     }
+
+    /// A bound on how fast any node goes into the coming substep \[m/s\]: the integration pass has seen velocities before
+    /// rows, and how far nodes moved tells what rows did to them.
+    pub(super) fn fastest(&self) -> f64 {
+        let speed = self.gain() * f64::from(self.solver.speed_squared).sqrt();
+        if self.h > 0.0 {
+            speed.max(self.moved / self.h)
+        } else {
+            speed
+        }
+    }
+
+    /// Largest speed of any node \[m/s\].
+    pub(super) fn max_speed(&self) -> f64 {
+        f64::from(self.max_speed_squared()).sqrt()
+    }
+
+    /// Largest squared speed of any node \[m²/s²\].
+    pub(super) fn max_speed_squared(&self) -> f32 {
+        self.state
+            .particles
+            .iter()
+            .map(|p| p.v.iter().map(|c| c * c).sum::<f32>())
+            .fold(0.0, f32::max)
+    }
 }

@@ -54,93 +54,140 @@ pub fn sheet_with_bending(
     thickness: Real,
     bending_share: Real,
 ) -> Result<Net, BuildError> {
-    let [w, h, t] = [
-        positive("the width of the sheet", width.into())?,
-        positive("the height of the sheet", height.into())?,
-        positive("the thickness of the sheet", thickness.into())?,
-    ];
-    let share = f64::from(bending_share);
-    if !(0.0..1.0).contains(&share) {
-        return Err(BuildError::Value {
-            what: "the bending share of the sheet",
-            value: share,
-            must: "0 or more and less than 1",
-        });
-    }
-    for (what, n) in [
-        ("the number of nodes along the sheet's width", nx),
-        ("the number of nodes along the sheet's height", ny),
-    ] {
-        if n < 2 {
-            return Err(BuildError::Value {
-                what,
-                value: n as f64,
-                must: "at least 2",
-            });
-        }
-    }
-    let count = nx as f64 * ny as f64;
-    if count > MAX_NODES {
-        return Err(BuildError::Value {
-            what: "the number of nodes of the sheet",
-            value: count,
-            must: "at most 50 million",
-        });
-    }
-    let (a, b) = (w / (nx - 1) as f64, h / (ny - 1) as f64);
-    let cell = Cell::new(a, b, t);
-    let mut net = Net::default();
-    let border = |i: usize, n: usize| if i == 0 || i == n - 1 { 1.0 } else { 2.0 };
-    for j in 0..ny {
-        for i in 0..nx {
-            let at = DVec3::new(i as f64 * a - 0.5 * w, 0.0, j as f64 * b - 0.5 * h);
-            let volume = 0.25 * a * b * t * border(i, nx) * border(j, ny);
-            net.nodes.push(Node::of_volume(narrow(at), volume as Real));
-        }
-    }
-    let index = |i: usize, j: usize| (i + nx * j) as u32;
-    // Of the stiffness of a line of n nodes, what its segment from i to i + 1 keeps: the skip-one springs over it, one
-    // at the ends and two elsewhere, take half the share each.
-    let kept = |i: usize, n: usize| {
-        let over = usize::from(i > 0) + usize::from(i + 2 < n);
-        1.0 - 0.5 * share * over as f64
-    };
-    for j in 0..ny {
-        for i in 0..nx {
-            let here = index(i, j);
-            let (along_x, along_z) = (cell.x * border(j, ny), cell.z * border(i, nx));
-            let mut add = |i: usize, j: usize, section: f64| {
-                if section > 0.0 {
-                    net.springs
-                        .push(Spring::of_section(here, index(i, j), section as Real));
-                }
-            };
-            if i + 1 < nx {
-                add(i + 1, j, along_x * kept(i, nx));
-            }
-            if i + 2 < nx {
-                add(i + 2, j, along_x * 0.5 * share);
-            }
-            if j + 1 < ny {
-                if i > 0 {
-                    add(i - 1, j + 1, cell.diagonal);
-                }
-                add(i, j + 1, along_z * kept(j, ny));
-                if i + 1 < nx {
-                    add(i + 1, j + 1, cell.diagonal);
-                }
-            }
-            if j + 2 < ny {
-                add(i, j + 2, along_z * 0.5 * share);
-            }
-            if i + 1 < nx && j + 1 < ny {
-                let [right, down, across] = [index(i + 1, j), index(i, j + 1), index(i + 1, j + 1)];
-                net.faces
-                    .extend([[here, across, right], [here, down, across]]);
-            }
-        }
+    let sheet = Sheet::new([width, height, thickness], [nx, ny], bending_share)?;
+    let nodes = sheet.places().map(|place| sheet.node(place)).collect();
+    let mut net = Net::new(nodes, Vec::new());
+    for place in sheet.places() {
+        sheet.add_springs(place, &mut net.springs);
+        net.faces
+            .extend(sheet.triangles(place).into_iter().flatten());
     }
     Ok(net)
+}
+
+/// What a sheet is made of.
+struct Sheet {
+    /// Width and height \[m\].
+    size: [f64; 2],
+    thickness: f64,
+    /// Nodes along both.
+    count: [usize; 2],
+    /// From node to node \[m\].
+    step: [f64; 2],
+    cell: Cell,
+    share: f64,
+}
+
+impl Sheet {
+    fn new(
+        [width, height, thickness]: [Real; 3],
+        [nx, ny]: [usize; 2],
+        bending_share: Real,
+    ) -> Result<Self, BuildError> {
+        let [w, h, t] = [
+            positive("the width of the sheet", width.into())?,
+            positive("the height of the sheet", height.into())?,
+            positive("the thickness of the sheet", thickness.into())?,
+        ];
+        let share = f64::from(bending_share);
+        if !(0.0..1.0).contains(&share) {
+            return Err(BuildError::Value {
+                what: "the bending share of the sheet",
+                value: share,
+                must: "0 or more and less than 1",
+            });
+        }
+        for (what, n) in [
+            ("the number of nodes along the sheet's width", nx),
+            ("the number of nodes along the sheet's height", ny),
+        ] {
+            if n < 2 {
+                return Err(BuildError::Value {
+                    what,
+                    value: n as f64,
+                    must: "at least 2",
+                });
+            }
+        }
+        let count = nx as f64 * ny as f64;
+        if count > MAX_NODES {
+            return Err(BuildError::Value {
+                what: "the number of nodes of the sheet",
+                value: count,
+                must: "at most 50 million",
+            });
+        }
+        let step = [w / (nx - 1) as f64, h / (ny - 1) as f64];
+        Ok(Self {
+            size: [w, h],
+            thickness: t,
+            count: [nx, ny],
+            step,
+            cell: Cell::new(step[0], step[1], t),
+            share,
+        })
+    }
+
+    /// The columns and rows of its nodes, in their order.
+    fn places(&self) -> impl Iterator<Item = [usize; 2]> + use<> {
+        let [nx, ny] = self.count;
+        (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j]))
+    }
+
+    fn index(&self, i: usize, j: usize) -> u32 {
+        (i + self.count[0] * j) as u32
+    }
+
+    /// On how many sides of a line of nodes along `axis`, `at` along the other, there are cells.
+    fn sides(&self, axis: usize, at: usize) -> f64 {
+        let n = self.count[1 - axis];
+        if at == 0 || at == n - 1 { 1.0 } else { 2.0 }
+    }
+
+    fn node(&self, [i, j]: [usize; 2]) -> Node {
+        let ([w, h], [a, b]) = (self.size, self.step);
+        let at = DVec3::new(i as f64 * a - 0.5 * w, 0.0, j as f64 * b - 0.5 * h);
+        let volume = 0.25 * a * b * self.thickness * self.sides(1, i) * self.sides(0, j);
+        Node::of_volume(narrow(at), volume as Real)
+    }
+
+    /// Of the stiffness of a line of nodes along `axis`, what its segment from one to the next keeps: the skip-one springs
+    /// over it, one at the ends and two elsewhere, take half the share each.
+    fn kept(&self, axis: usize, at: usize) -> f64 {
+        let over = usize::from(at > 0) + usize::from(at + 2 < self.count[axis]);
+        1.0 - 0.5 * self.share * over as f64
+    }
+
+    /// Adds the springs from a node to those behind it.
+    fn add_springs(&self, [i, j]: [usize; 2], springs: &mut Vec<Spring>) {
+        let ([nx, ny], cell, skip) = (self.count, &self.cell, 0.5 * self.share);
+        let (along_x, along_z) = (cell.x * self.sides(0, j), cell.z * self.sides(1, i));
+        let here = self.index(i, j);
+        let mut add = |is_there: bool, i: usize, j: usize, section: f64| {
+            if is_there && section > 0.0 {
+                let there = self.index(i, j);
+                springs.push(Spring::of_section(here, there, section as Real));
+            }
+        };
+        let (right, down) = (i + 1 < nx, j + 1 < ny);
+        add(right, i + 1, j, along_x * self.kept(0, i));
+        add(i + 2 < nx, i + 2, j, along_x * skip);
+        add(down && i > 0, i.wrapping_sub(1), j + 1, cell.diagonal);
+        add(down, i, j + 1, along_z * self.kept(1, j));
+        add(down && right, i + 1, j + 1, cell.diagonal);
+        add(j + 2 < ny, i, j + 2, along_z * skip);
+    }
+
+    /// The triangles of the cell behind a node, if there is one.
+    fn triangles(&self, [i, j]: [usize; 2]) -> Option<[[u32; 3]; 2]> {
+        let [nx, ny] = self.count;
+        let is_there = i + 1 < nx && j + 1 < ny;
+        is_there.then(|| {
+            let [here, right] = [self.index(i, j), self.index(i + 1, j)];
+            let [down, across] = [self.index(i, j + 1), self.index(i + 1, j + 1)];
+            [[here, across, right], [here, down, across]]
+        })
+    }
 }
 
 /// Sections that one cell gives: half of a side along x, half of a side along z, a whole diagonal \[m²\].

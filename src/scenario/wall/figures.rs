@@ -52,74 +52,76 @@ pub(super) fn figures(run: &Run) -> Result<Figures, SceneError> {
     let car = run.cast.deformable("car");
     let record = car.and_then(|car| run.recorder.body(car));
     let record = record.ok_or(SceneError::Missing("car"))?;
-    let wall = wall(run)?;
+    let mut figures = Figures::default();
+    add_pulse(&mut figures, run, record)?;
+    add_damage(&mut figures, run, record)?;
+    let deepest = depth(record, wall(run)?);
+    figures.add(
+        "max_penetration_m",
+        "deepest node in the wall",
+        deepest,
+        "m",
+    );
+    add_crates(&mut figures, run, record)?;
+    let closure = system_closure(run, record).max(run.recorder.momentum_closure());
+    figures.add("momentum_closure", "momentum closure", closure, "");
+    run.common_figures(&mut figures);
+    Ok(figures)
+}
+
+/// How fast it came, how it was stopped, and how it left.
+fn add_pulse(f: &mut Figures, run: &Run, record: &BodyRecord) -> Result<(), SceneError> {
     let cabin = &set(run, "cabin")?.history;
-    let touched = record
-        .find(Interface::Collider(wall))
-        .and_then(|c| c.touched);
+    let channel = record.find(Interface::Collider(wall(run)?));
+    let touched = channel.and_then(|c| c.touched);
     let [begin, end] = touched.ok_or(SceneError::Missing("contact with the wall"))?;
-    let at = |t: f64| {
-        cabin
-            .times
-            .partition_point(|x| *x < t)
-            .min(cabin.times.len() - 1)
-    };
-    let contact = at(begin);
+    let after = cabin.times.partition_point(|t| *t < begin);
+    let contact = after.min(cabin.times.len() - 1);
     let x0 = cabin.positions[contact].x;
-    let (stop, crush) = (contact..cabin.times.len())
-        .map(|i| (i, cabin.positions[i].x - x0))
-        .fold(
-            (contact, 0.0),
-            |best, next| {
-                if next.1 > best.1 { next } else { best }
-            },
-        );
+    let mut crush = (contact, 0.0);
+    for (i, position) in cabin.positions.iter().enumerate().skip(contact) {
+        if position.x - x0 > crush.1 {
+            crush = (i, position.x - x0);
+        }
+    }
+    let (stop, crush) = crush;
     let time_of_crush = cabin.times[stop] - cabin.times[contact];
     let approach = cabin.velocities[contact].x;
     let rebound = -whole_velocity(run, record);
-    let deceleration = cabin_deceleration(run)?;
     let signal = SignalError::from;
-    let decel = deceleration.filtered(Cfc::Cfc60).map_err(signal)?.peak();
-    let raw = wall_force(run)?;
-    let force = raw.filtered(Cfc::Cfc60).map_err(signal)?.peak();
+    let filtered = |signal: Resampled| signal.filtered(Cfc::Cfc60).map(|s| s.peak());
+    let decel = filtered(cabin_deceleration(run)?).map_err(signal)?;
+    let force = filtered(wall_force(run)?).map_err(signal)?;
     let kinetic = 0.5 * car::MASS * approach * approach;
     let absorbed = kinetic - 0.5 * car::MASS * rebound * rebound;
-
-    let mut f = Figures::default();
+    let mean_force = kinetic / crush;
+    let mean_decel = approach * approach / (2.0 * crush) / G;
+    let peak = "peak cabin deceleration (CFC 60)";
     f.add("speed_mps", "speed at contact", approach, "m/s");
     f.add("peak_force_n", "peak wall force (CFC 60)", force.1, "N");
-    f.add(
-        "mean_force_n",
-        "mean force over the crush",
-        kinetic / crush,
-        "N",
-    );
+    f.add("mean_force_n", "mean force over the crush", mean_force, "N");
     f.add("crush_m", "crush", crush, "m");
     f.add("time_of_crush_s", "cabin at rest after", time_of_crush, "s");
     f.add("contact_end_s", "off the wall after", end - begin, "s");
     f.add("delta_v_mps", "velocity change", approach + rebound, "m/s");
     f.add("restitution", "restitution", rebound / approach, "");
-    let mean = approach * approach / (2.0 * crush) / G;
-    f.add("mean_decel_g", "mean deceleration", mean, "g");
-    f.add(
-        "peak_decel_g",
-        "peak cabin deceleration (CFC 60)",
-        decel.1 / G,
-        "g",
-    );
+    f.add("mean_decel_g", "mean deceleration", mean_decel, "g");
+    f.add("peak_decel_g", peak, decel.1 / G, "g");
+    let peak_time = decel.0 - begin;
     f.add(
         "peak_decel_time_s",
         "its time after contact",
-        decel.0 - begin,
+        peak_time,
         "s",
     );
     f.add("absorbed_j", "absorbed", absorbed, "J");
-    f.add(
-        "plastic_j",
-        "plastic work",
-        last(record, |e| e.work.plastic),
-        "J",
-    );
+    Ok(())
+}
+
+/// What is left of the car.
+fn add_damage(f: &mut Figures, run: &Run, record: &BodyRecord) -> Result<(), SceneError> {
+    let plastic = last(record, |e| e.work.plastic);
+    f.add("plastic_j", "plastic work", plastic, "J");
     f.add(
         "damping_j",
         "damping",
@@ -128,51 +130,46 @@ pub(super) fn figures(run: &Run) -> Result<Figures, SceneError> {
     );
     let set = shortening(run)?;
     f.add("shortening_m", "bumper to B-pillar, lasting", set, "m");
+    let strain = cabin_strain(run);
     f.add(
         "cabin_strain",
         "plastic strain of the cabin, mean",
-        cabin_strain(run),
+        strain,
         "",
     );
     f.add("mass_kg", "mass", record.mass + car::ENGINE_MASS, "kg");
+    Ok(())
+}
+
+/// What became of the crates.
+fn add_crates(f: &mut Figures, run: &Run, record: &BodyRecord) -> Result<(), SceneError> {
     let start = super::super::file("wall", &run.options)?;
-    let pushed = run.cast.rigid.iter().filter(|(name, body, _)| {
+    let crates = || run.cast.rigid.iter().filter(|r| r.0.starts_with("crate"));
+    let pushed = crates().filter(|(name, body, _)| {
         let start = start.rigid.iter().find(|r| r.name == *name);
         let now = body.and_then(|b| run.world.bodies.get(b));
-        let moved = start.zip(now).map(|(start, now)| {
+        start.zip(now).is_some_and(|(start, now)| {
             let from = DVec3::from_array(start.translation);
-            wide(now.translation()).distance(from)
-        });
-        name.starts_with("crate") && moved.is_some_and(|moved| moved > 0.01)
+            wide(now.translation()).distance(from) > 0.01
+        })
     });
-    f.add(
-        "crates_pushed",
-        "crates pushed aside",
-        pushed.count() as f64,
-        "",
-    );
-    let depth = |collider| {
-        let channel = record.find(Interface::Collider(collider));
-        channel.map_or(0.0, |c| c.max_depth)
-    };
-    f.add(
-        "max_penetration_m",
-        "deepest node in the wall",
-        depth(wall),
-        "m",
-    );
-    let crates = run.cast.rigid.iter().filter(|r| r.0.starts_with("crate"));
-    let deepest = crates.map(|r| depth(r.2)).fold(0.0, f64::max);
+    let pushed = pushed.count() as f64;
+    f.add("crates_pushed", "crates pushed aside", pushed, "");
+    let depths = crates().map(|r| depth(record, r.2));
+    let deepest = depths.fold(0.0, f64::max);
     f.add(
         "crate_penetration_m",
         "deepest node in a crate",
         deepest,
         "m",
     );
-    let closure = system_closure(run, record).max(run.recorder.momentum_closure());
-    f.add("momentum_closure", "momentum closure", closure, "");
-    run.common_figures(&mut f);
-    Ok(f)
+    Ok(())
+}
+
+/// How deep a node of the car was in a collider at most \[m\].
+fn depth(record: &BodyRecord, collider: ColliderHandle) -> f64 {
+    let channel = record.find(Interface::Collider(collider));
+    channel.map_or(0.0, |c| c.max_depth)
 }
 
 fn last(record: &BodyRecord, term: impl Fn(&Energies) -> f64) -> f64 {
