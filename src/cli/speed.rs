@@ -49,10 +49,11 @@ fn print(speed: &Speed) {
     }
     for r in &speed.whole_steps {
         say_line!(
-            "  {:51}{:7.0}  {:5.2} × its force loop",
+            "  {:51}{:7.0}  {:5.2} × its force loop, {:.2} × as springs flow there",
             format!("whole steps of the scene {}", r.scene),
             1e-6 * r.updates_per_s,
             r.share,
+            r.share_of_flowing,
         );
     }
     say_line!("\nms per step of 1/60 s, crumple and Rapier's own soft body");

@@ -8,6 +8,9 @@
 /// something in each of them.
 const AHEAD: f64 = 16.0;
 
+/// Elements whose first arrival is noted together.
+const BLOCK: usize = 64;
+
 /// Elements of a body that may come near something.
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(
@@ -15,8 +18,11 @@ const AHEAD: f64 = 16.0;
     derive(serde::Serialize, serde::Deserialize)
 )]
 pub struct Watch {
-    /// Per element the way at which it may arrive \[m\].
+    /// Per element the way at which it may arrive \[m\]: any moment where its distance is no number.
     due: Vec<f64>,
+    /// Per block of elements the way at which its first may arrive, or less \[m\].
+    #[cfg_attr(feature = "serde-serialize", serde(skip))]
+    first: Vec<f64>,
     /// Those that may arrive before `until`, and a few more, in ascending order.
     soon: Vec<u32>,
     until: f64,
@@ -31,6 +37,7 @@ impl Watch {
     /// Forgets all distances.
     pub fn reset(&mut self) {
         self.due.clear();
+        self.first.clear();
         self.soon.clear();
     }
 
@@ -50,10 +57,11 @@ impl Watch {
         mut look: impl FnMut(u32, f64) -> f64,
     ) {
         if self.due.len() != count {
-            self.due.clear();
+            self.reset();
             self.due.resize(count, f64::NEG_INFINITY);
             self.until = f64::NEG_INFINITY;
         }
+        self.first.resize(count.div_ceil(BLOCK), f64::NEG_INFINITY);
         // What is late stays in the list and is passed over in every visit: at first that is nearly all. A few are not worth
         // a look at all others.
         let stale = 2 * self.late > self.soon.len() && 16 * self.late > count;
@@ -65,44 +73,53 @@ impl Watch {
         let mut next = f64::INFINITY;
         for &i in &self.soon {
             let due = &mut self.due[i as usize];
-            // Distances that are no numbers are looked at too.
-            if *due - way > reach {
-                if *due < next {
-                    next = *due;
-                }
-                continue;
+            if *due - way <= reach {
+                let arrives = way + look(i, *due - way);
+                *due = if arrives.is_nan() {
+                    f64::NEG_INFINITY
+                } else {
+                    arrives
+                };
+                self.late += usize::from(*due > self.horizon);
+                self.first[i as usize / BLOCK] = f64::NEG_INFINITY;
             }
-            *due = way + look(i, *due - way);
-            self.late += usize::from(*due > self.horizon);
-            let arrives = if due.is_nan() {
-                f64::NEG_INFINITY
-            } else {
-                *due
-            };
-            next = next.min(arrives);
+            if *due < next {
+                next = *due;
+            }
         }
         self.next = next;
     }
 
-    /// Lists what may arrive before the way `horizon`.
+    /// Lists what may arrive before the way `horizon`. Blocks of which nothing does are passed over.
     fn gather(&mut self, horizon: f64) {
         self.soon.clear();
-        (self.until, self.horizon, self.late) = (f64::INFINITY, horizon, 0);
-        for (i, &due) in (0..).zip(&self.due) {
-            if due > horizon {
-                self.until = self.until.min(due);
-            } else {
-                self.soon.push(i);
+        (self.horizon, self.late) = (horizon, 0);
+        let mut until = f64::INFINITY;
+        let blocks = self.first.iter_mut().zip(self.due.chunks(BLOCK));
+        for (begin, (first, block)) in (0..).step_by(BLOCK).zip(blocks) {
+            if *first > horizon {
+                until = until.min(*first);
+                continue;
+            }
+            *first = f64::INFINITY;
+            for (i, &due) in (begin..).zip(block) {
+                if due <= horizon {
+                    self.soon.push(i);
+                } else if due < until {
+                    until = due;
+                }
+                if due < *first {
+                    *first = due;
+                }
             }
         }
+        self.until = until;
     }
 
     /// The elements that may be within `reach` m.
     pub fn within(&self, way: f64, reach: f64) -> impl Iterator<Item = u32> {
-        let may = move |due: f64| due - way <= reach || due.is_nan();
-        (0..)
-            .zip(&self.due)
-            .filter_map(move |(i, &due)| may(due).then_some(i))
+        let due = (0..).zip(&self.due);
+        due.filter_map(move |(i, due)| (due - way <= reach).then_some(i))
     }
 }
 

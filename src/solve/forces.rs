@@ -90,8 +90,28 @@ impl<S: Scalar> Forces<S> {
 pub(crate) struct Happened {
     /// Plastic work \[J\].
     pub plastic: f64,
-    /// Energy of the springs that broke \[J\].
+    /// Energy that went with the springs that broke \[J\].
     pub fracture: f64,
+}
+
+/// Says that flow and breaking are to be written.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Commit<S> {
+    /// Time since the last one \[s\].
+    pub since: S,
+    /// By how much velocities stand before the positions, half a substep or nothing \[s\]. What a tension does to them in that time
+    /// counts as kinetic energy, and goes with the spring that breaks.
+    pub lead: S,
+}
+
+impl<S: Scalar> Commit<S> {
+    /// Where velocities are those of the positions, `since` s after the last.
+    pub fn after(since: S) -> Self {
+        Self {
+            since,
+            lead: S::ZERO,
+        }
+    }
 }
 
 /// A spring that yielded for the first time, or broke, at the state of the pass.
@@ -103,16 +123,15 @@ pub(crate) struct LimitEvent<S> {
     pub energy: S,
 }
 
-/// Writes the force of springs, and of drag D \[N·s/m\], on every node. With `commit`, which is the time since the last commit
-/// \[s\], plastic flow and breaking are written to the state; without, they only limit the force, as the inner stages of a
-/// scheme need. Damping forces need room, see [`Forces::set_damped`].
+/// Writes the force of springs, and of drag D \[N·s/m\], on every node. With `commit` plastic flow and breaking are written to the
+/// state; without, they only limit the force, as the inner stages of a scheme need. Damping forces need room, see [`Forces::set_damped`].
 pub(crate) fn spring_forces<S: Scalar>(
     kernel: Kernel,
     table: &mut SpringTable<S>,
     state: &mut State<S>,
     forces: &mut Forces<S>,
     events: &mut Vec<LimitEvent<S>>,
-    (commit, drag): (Option<S>, S),
+    (commit, drag): (Option<Commit<S>>, S),
 ) -> Happened {
     if let (Some(table), Some(state), Some(forces), Some(events)) = (
         of_f32_mut(table),
@@ -120,7 +139,12 @@ pub(crate) fn spring_forces<S: Scalar>(
         of_f32_mut(forces),
         of_f32_mut(events),
     ) {
-        let settings = (commit.map(|h| h.f64() as f32), drag.f64() as f32);
+        let narrow = |x: S| x.f64() as f32;
+        let commit = commit.map(|Commit { since, lead }| Commit {
+            since: narrow(since),
+            lead: narrow(lead),
+        });
+        let settings = (commit, narrow(drag));
         let done = kernel::spring_forces(kernel, table, state, forces, events, settings);
         if let Some(happened) = done {
             return happened;
@@ -144,16 +168,16 @@ pub(crate) fn add_spring_forces<S: Scalar>(
     state: &mut State<S>,
     forces: &mut Forces<S>,
     events: &mut Vec<LimitEvent<S>>,
-    commit: Option<S>,
+    commit: Option<Commit<S>>,
 ) -> Happened {
-    let h = commit.unwrap_or(S::ZERO);
+    let c = commit.unwrap_or(Commit::after(S::ZERO));
     match (table.limits.is_empty(), commit.is_some(), table.damped) {
-        (true, _, false) => pass::<S, false, false, false>(table, state, forces, events, h),
-        (true, _, true) => pass::<S, false, false, true>(table, state, forces, events, h),
-        (false, false, false) => pass::<S, true, false, false>(table, state, forces, events, h),
-        (false, false, true) => pass::<S, true, false, true>(table, state, forces, events, h),
-        (false, true, false) => pass::<S, true, true, false>(table, state, forces, events, h),
-        (false, true, true) => pass::<S, true, true, true>(table, state, forces, events, h),
+        (true, _, false) => pass::<S, false, false, false>(table, state, forces, events, c),
+        (true, _, true) => pass::<S, false, false, true>(table, state, forces, events, c),
+        (false, false, false) => pass::<S, true, false, false>(table, state, forces, events, c),
+        (false, false, true) => pass::<S, true, false, true>(table, state, forces, events, c),
+        (false, true, false) => pass::<S, true, true, false>(table, state, forces, events, c),
+        (false, true, true) => pass::<S, true, true, true>(table, state, forces, events, c),
     }
 }
 
@@ -219,7 +243,7 @@ fn pass<S: Scalar, const LIMITED: bool, const COMMIT: bool, const DAMPED: bool>(
     state: &mut State<S>,
     forces: &mut Forces<S>,
     events: &mut Vec<LimitEvent<S>>,
-    h: S,
+    commit: Commit<S>,
 ) -> Happened {
     let mut happened = Happened::default();
     let old_events = events.len();
@@ -248,10 +272,10 @@ fn pass<S: Scalar, const LIMITED: bool, const COMMIT: bool, const DAMPED: bool>(
                     tension,
                     energy: spring::energy(link.stiffness, elongation - mapped.flow),
                 };
+                let rate = dot_lanes(sub(velocity(b), velocity(a)), d) * inverse;
                 if mapped.flow != S::ZERO {
                     // The trapezoid, as for every other work: the tension of the last commit follows from the rate.
-                    let rate = dot_lanes(sub(velocity(b), velocity(a)), d) * inverse;
-                    let last = link.stiffness * (elongation - h * rate);
+                    let last = link.stiffness * (elongation - commit.since * rate);
                     happened.plastic += plastic::work(last, &mapped).f64();
                     if flows[i] == S::ZERO {
                         events.push(event(false));
@@ -261,7 +285,7 @@ fn pass<S: Scalar, const LIMITED: bool, const COMMIT: bool, const DAMPED: bool>(
                 }
                 if breaks {
                     let event = event(true);
-                    happened.fracture += event.energy.f64();
+                    happened.fracture += (event.energy - commit.lead * tension * rate).f64();
                     events.push(event);
                     (tension, viscosity) = (S::ZERO, S::ZERO);
                 }

@@ -50,6 +50,23 @@ pub struct Shadow {
     pub shift: (DVec3, DVec3),
 }
 
+/// Frobenius norms of the responses of a shadow.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Norms {
+    mass: f64,
+    cross: f64,
+    inertia: f64,
+}
+
+impl Norms {
+    /// A bound of the norm of the response matrix at `arm` \[1/kg\].
+    #[inline(always)]
+    pub fn response(&self, arm: DVec3) -> f64 {
+        let lever = arm.length();
+        self.mass + lever * (2.0 * self.cross + lever * self.inertia)
+    }
+}
+
 impl Shadow {
     /// What never moves: the world itself.
     pub const FIXED: Self = Self {
@@ -78,15 +95,24 @@ impl Shadow {
         self.inv_mass != DMat3::ZERO || self.inv_inertia != DMat3::ZERO
     }
 
+    /// What an impulse and an angular impulse about the centre of mass \[N·s\], \[N·m·s\] do to velocity and spin \[m/s\],
+    /// \[rad/s\].
+    #[inline(always)]
+    pub fn answer(&self, impulse: DVec3, torque: DVec3) -> (DVec3, DVec3) {
+        let (mut v, mut w) = (self.inv_mass * impulse, self.inv_inertia * torque);
+        if let Some(cross) = &self.cross {
+            v += *cross * torque;
+            w += cross.transpose() * impulse;
+        }
+        (v, w)
+    }
+
     /// Takes an impulse and an angular impulse about the centre of mass \[N·s\], \[N·m·s\].
     #[inline(always)]
     pub fn take(&mut self, impulse: DVec3, torque: DVec3) {
-        self.v += self.inv_mass * impulse;
-        self.w += self.inv_inertia * torque;
-        if let Some(cross) = &self.cross {
-            self.v += *cross * torque;
-            self.w += cross.transpose() * impulse;
-        }
+        let (v, w) = self.answer(impulse, torque);
+        self.v += v;
+        self.w += w;
     }
 
     /// Takes what was left for later.
@@ -130,6 +156,23 @@ impl Shadow {
             let mixed = cross * turn;
             alone + mixed + mixed.transpose()
         })
+    }
+
+    /// How large its responses are.
+    pub fn norms(&self) -> Norms {
+        let of = |m: &DMat3| {
+            let columns = [m.x_axis, m.y_axis, m.z_axis];
+            columns
+                .map(DVec3::length_squared)
+                .iter()
+                .sum::<f64>()
+                .sqrt()
+        };
+        Norms {
+            mass: of(&self.inv_mass),
+            cross: self.cross.as_ref().map_or(0.0, of),
+            inertia: of(&self.inv_inertia),
+        }
     }
 
     /// Takes an impulse at `arm` \[N·s\].
@@ -215,5 +258,7 @@ mod tests {
         let (arm, n) = (DVec3::new(0.3, -0.2, 0.7), DVec3::new(0.6, 0.0, -0.8));
         let matrix = s.response_matrix(arm);
         assert!((n.dot(matrix * n) - s.response(arm, n)).abs() < 1e-12);
+        assert!((matrix * n).length() <= s.norms().response(arm));
+        assert!(s.norms().response(arm) < 4.0 * matrix.x_axis.length());
     }
 }

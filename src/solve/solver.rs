@@ -6,7 +6,7 @@
 
 use super::external::{External, ForceField};
 use super::fem::Part;
-use super::forces::{Forces, LimitEvent, dot, spring_forces, three};
+use super::forces::{Commit, Forces, LimitEvent, dot, spring_forces, three};
 use super::gauge::Gauge;
 use super::integrate::Integrator;
 use super::kernel::{self, Kernel, Totals, of_f32, of_f32_mut};
@@ -209,13 +209,12 @@ impl<S: Scalar> Solver<S> {
         self.applied.clear();
     }
 
-    /// Fills the forces for the state as it is. With `commit`, which is the time since the last commit \[s\], plastic flow
-    /// and breaking are written. The state is that of `after` s from the start of the substep.
+    /// Fills the forces for the state as it is. With `commit` plastic flow and breaking are written. The state is that of `after` s from the start of the substep.
     pub(crate) fn evaluate(
         &mut self,
         state: &mut State<S>,
         field: Option<&dyn ForceField>,
-        commit: Option<S>,
+        commit: Option<Commit<S>>,
         after: S,
     ) {
         self.evaluate_applied(state, field, self.time + after.f64());

@@ -150,6 +150,24 @@ impl<S: Scalar> Solver<S> {
         least
     }
 
+    /// The least share of its energy that a mode of frequency `omega` [1/s] loses by damping \[1/s\].
+    pub(crate) fn least_decay(&self, state: &State<S>, omega: f64) -> f64 {
+        let square = omega * omega;
+        let (of_springs, _) = self.relaxation();
+        let mut decay = of_springs * square;
+        if let Some(solid) = self.part.as_ref().map(|p| p.model.solid()) {
+            decay = decay.min(solid.mass_damping + solid.stiffness_damping * square);
+        }
+        let masses = state.particles.iter().map(|p| p.inv_mass.f64());
+        let lightest = masses.filter(|w| *w > 0.0).fold(f64::INFINITY, f64::min);
+        let drag = self.external.drag.f64();
+        if drag > 0.0 {
+            decay + drag * lightest
+        } else {
+            decay
+        }
+    }
+
     /// The rates of nodes, one spring after the other.
     fn rates(&self, state: &State<S>) -> Vec<Rates<S>> {
         let mut sums = vec![[Resistance::default(); 2]; state.particles.len()];

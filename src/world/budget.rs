@@ -2,6 +2,7 @@
 
 use super::Deformable;
 use super::params::Substeps;
+use super::steady::{is_lively, steady_count};
 use crate::body::BuildError;
 use crate::math::Real;
 use crate::solve::stable::StableStep;
@@ -105,7 +106,19 @@ impl Deformable {
     pub(super) fn review(&mut self, dt: f64, frame: f64) -> (usize, bool) {
         let integrator = self.integrator();
         let stable = self.solver.review(&mut self.state, integrator);
+        let most = match self.substeps() {
+            Substeps::Auto { safety, .. } => safety,
+            _ => 1.0,
+        };
+        let mut steady = self.steady;
+        steady.note(self.h, most, integrator, || self.decay(&stable, dt));
+        self.steady = steady;
         self.substeps_of(&stable, dt, frame)
+    }
+
+    /// What share of the energy of its fastest mode damping takes within `dt` s, at least.
+    fn decay(&self, stable: &StableStep, dt: f64) -> f64 {
+        dt * self.solver.least_decay(&self.state, 2.0 / stable.h)
     }
 
     fn substeps_of(&self, stable: &StableStep, dt: f64, frame: f64) -> (usize, bool) {
@@ -121,7 +134,12 @@ impl Deformable {
                 (count(1e-4), true)
             }
             Substeps::Auto { safety, min_h } => {
-                let n = count((stable.h * safety).max(min_h).max(1e-9));
+                let longest = stable.h * self.steady.share(safety);
+                let mut n = count(longest.max(min_h).max(1e-9));
+                let steady = steady_count(n, dt / self.h);
+                if steady != n && is_lively(self.decay(stable, dt)) {
+                    n = steady;
+                }
                 (n, dt / n as f64 > stable.h * (1.0 + 1e-9))
             }
             Substeps::Fixed(n) => {

@@ -90,7 +90,6 @@ impl Group {
             belt: contact.belt,
             // A force for now, until the length of a substep is known.
             normal_impulse: contact.impulse / dt,
-            friction_impulse: DVec3::ZERO,
             ..RigidRow::default()
         };
         self.rows.rigid.push(row);

@@ -3,6 +3,7 @@
 use super::motion::{Books, Start};
 use super::params::{DeformableParameters, Substeps};
 use super::sleep::Sleep;
+use super::steady::Steadiness;
 use crate::body::search::tree::Cache;
 use crate::body::{Blueprint, Embedded, NodeId, SpringId, State, Topology};
 use crate::contact::encounter::outline::Outline;
@@ -56,6 +57,8 @@ pub struct Deformable {
     /// What was booked at the start of the rigid step.
     pub(super) books: Books,
     pub(super) h: f64,
+    /// How much that has changed of late.
+    pub(super) steady: Steadiness,
     /// Elastic energy in the links of its attachments \[J\].
     pub(super) links: f64,
     /// Nodes whose velocities were set since the last substep, in ascending order.
@@ -94,6 +97,12 @@ impl Deformable {
     /// Topology and constants.
     pub fn blueprint(&self) -> &Blueprint {
         &self.blueprint
+    }
+
+    /// Copies of what moves it and of where it is, to measure how long that takes.
+    #[cfg(feature = "scenario")]
+    pub(crate) fn motion(&self) -> (Solver<Real>, State<Real>) {
+        (self.solver.clone(), self.state.clone())
     }
 
     /// Position of a node in the world \[m\], in `f64`; `None` for an unknown id.

@@ -2,6 +2,7 @@
 //! step goes wrong.
 
 use super::Deformable;
+use super::steady::Steadiness;
 use crate::body::state::Particle;
 use crate::math::{DVec3, Real, Vector};
 use crate::solve::Integrator;
@@ -25,6 +26,7 @@ pub(super) struct Books {
     links: f64,
     gravity: [Real; 3],
     h: f64,
+    steady: Steadiness,
 }
 
 impl Deformable {
@@ -277,6 +279,7 @@ impl Deformable {
             links: self.links,
             gravity: self.solver.external.gravity,
             h: self.h,
+            steady: self.steady,
         };
     }
 
@@ -291,6 +294,7 @@ impl Deformable {
         self.solver.work = self.books.work;
         self.solver.external.gravity = self.books.gravity;
         (self.links, self.h) = (self.books.links, self.books.h);
+        self.steady = self.books.steady;
         self.solver.events.clear();
         self.solver.last_substep = None;
         self.start.restored = false;

@@ -138,20 +138,21 @@ impl DeformableWorld {
             return 1;
         }
         let longest = self.params.max_rigid_dt;
-        if longest > 1e-3 {
-            // A hair less, so that 1/60 is four steps of 1/240 and not five.
-            return ((dt / longest - 1e-6).ceil() as usize).max(1);
+        let finer = self.finer_steps(parts, longest.min(dt));
+        // A hair less, so that 1/60 is four steps of 1/240 and not five.
+        let wanted = finer.saturating_mul(((dt / longest - 1e-6).ceil() as usize).max(1));
+        if longest > 1e-3 && finer == 1 {
+            return wanted;
         }
         // Never more often than the deformables themselves.
         let bodies = self.iter().filter(|(_, b)| b.is_active());
         let substeps = bodies.map(|(_, b)| b.last_substeps(dt)).max();
         let most = substeps.unwrap_or(1);
-        let wanted = if longest > 0.0 {
-            (dt / longest).ceil() as usize
+        if longest > 0.0 {
+            wanted.min(most).max(1)
         } else {
-            most
-        };
-        wanted.clamp(1, most)
+            most.max(1)
+        }
     }
 
     fn can_touch_awake_body(&mut self, parts: &RapierParts, dt: f64) -> bool {

@@ -2,6 +2,7 @@
 
 use crate::body::{Blueprint, Net, Spring, State};
 use crate::solve::{Integrator, Kernel, Solver};
+use crate::world::Deformable;
 
 /// A substep far below stability \[s\]: the bodies rest, and what is measured is the passes.
 pub const H: f32 = 1e-6;
@@ -87,6 +88,12 @@ impl Subject {
         // The tables of the kernels are made by the first substep, which takes as long as a thousand others.
         subject.substep();
         subject
+    }
+
+    /// A body in the midst of a scene.
+    pub fn of(body: &Deformable) -> Self {
+        let (solver, state) = body.motion();
+        Self { solver, state }
     }
 
     /// Symplectic Euler over [`H`], one of many substeps.

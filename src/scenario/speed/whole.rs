@@ -7,6 +7,9 @@ use crate::scenario::{Scene, find};
 use crate::solve::Kernel;
 use std::time::Instant;
 
+/// Many grains of the clock \[s\].
+const TURN: f64 = 0.12;
+
 /// A crash scene.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct WholeRow {
@@ -16,55 +19,77 @@ pub struct WholeRow {
     pub updates_per_s: f64,
     /// Of the passes over springs and nodes alone, nothing flowing.
     pub alone_per_s: f64,
-    /// The one over the other, median over pairs \[1\].
+    /// The same in the midst of the scene, springs flowing as they do there.
+    pub flowing_per_s: f64,
+    /// Whole steps over the passes alone, nothing flowing, median over rounds \[1\].
     pub share: f64,
+    /// The same over passes in which they flow: what contact, coupling, Rapier and the books leave \[1\].
+    pub share_of_flowing: f64,
 }
 
-/// Spring updates per second of whole steps of a scene, and of the springs and nodes of its bodies alone, at rest. The two take
-/// turns all along: what else a machine has to do comes and goes within seconds.
+/// Spring updates per second.
+#[derive(Clone, Copy, Debug)]
+pub struct Paces {
+    /// Of whole steps.
+    pub whole: f64,
+    /// Of the passes over springs and nodes alone, at rest.
+    pub alone: f64,
+    /// The same in the midst of the scene.
+    pub flowing: f64,
+}
+
+/// How fast a scene goes, and the passes over its bodies alone, at rest and as they crumple. The three take turns all along:
+/// what else a machine has to do comes and goes within seconds.
 ///
 /// # Errors
 /// [`SceneError`] where it can't be built.
-pub fn in_turn(scene: &Scene, duration: f64) -> Result<[f64; 2], SceneError> {
-    /// Many grains of the clock \[s\].
-    const TURN: f64 = 0.12;
+pub fn in_turn(scene: &Scene, duration: f64) -> Result<Paces, SceneError> {
     let mut options = scene.options;
     options.duration = duration;
     let mut run = scene.build(&options)?;
-    let bodies = run.deformables.iter().map(|(_, body)| body);
-    let mut subjects: Vec<Subject> = bodies
+    let bodies = || run.deformables.iter().map(|(_, body)| body);
+    let mut at_rest: Vec<Subject> = bodies()
         .map(|body| Subject::new(body.blueprint(), Kernel::Auto, 0.0))
         .collect();
-    let bodies = run.deformables.iter().map(|(_, body)| body);
-    let springs: usize = bodies.map(|body| body.spring_count()).sum();
-    let (mut whole, mut alone) = (Pace::default(), Pace::default());
+    let springs: usize = bodies().map(|body| body.spring_count()).sum();
+    let [mut whole, mut alone, mut flowing] = [Pace::default(); 3];
     let mut left = run.total_steps();
     while left > 0 {
-        let clock = Clock::start();
-        let wall = Instant::now();
+        let (clock, wall) = (Clock::start(), Instant::now());
         while left > 0 && wall.elapsed().as_secs_f64() < TURN {
             run.deformables.step(&mut run.world);
             whole.updates += run.deformables.report().spring_updates as f64;
             left -= 1;
         }
         whole.spent += clock.spent().as_secs_f64();
-        let count = 200_000 / springs.max(1) + 1;
-        let each = per_call(TURN, count, || {
-            subjects.iter_mut().for_each(Subject::substep);
-        });
-        alone.updates += springs as f64;
-        alone.spent += each;
+        alone.pass_over(&mut at_rest, springs);
+        let bodies = run.deformables.iter().map(|(_, body)| body);
+        let mut as_they_are: Vec<Subject> = bodies.map(Subject::of).collect();
+        flowing.pass_over(&mut as_they_are, springs);
     }
-    Ok([whole.rate(), alone.rate()])
+    Ok(Paces {
+        whole: whole.rate(),
+        alone: alone.rate(),
+        flowing: flowing.rate(),
+    })
 }
 
-#[derive(Default)]
+#[derive(Clone, Copy, Default)]
 struct Pace {
     spent: f64,
     updates: f64,
 }
 
 impl Pace {
+    /// A turn of passes over bodies with so many springs.
+    fn pass_over(&mut self, subjects: &mut [Subject], springs: usize) {
+        let count = 200_000 / springs.max(1) + 1;
+        self.updates += springs as f64;
+        self.spent += per_call(TURN, count, || {
+            subjects.iter_mut().for_each(Subject::substep);
+        });
+    }
+
     fn rate(&self) -> f64 {
         self.updates / self.spent
     }
@@ -72,14 +97,17 @@ impl Pace {
 
 pub(super) fn rows(sizes: &Sizes) -> Result<Vec<WholeRow>, SceneError> {
     let crash = find("wall").map_err(|_| SceneError::Missing("wall"))?;
-    let pairs: Result<Vec<[f64; 2]>, SceneError> = (0..sizes.rounds.min(3))
+    let rounds: Result<Vec<Paces>, SceneError> = (0..sizes.rounds.min(3))
         .map(|_| in_turn(crash, sizes.crash))
         .collect();
-    let pairs = pairs?;
+    let rounds = rounds?;
+    let middle = |of: fn(&Paces) -> f64| median(rounds.iter().map(of));
     Ok(vec![WholeRow {
         scene: crash.name,
-        updates_per_s: median(pairs.iter().map(|p| p[0])),
-        alone_per_s: median(pairs.iter().map(|p| p[1])),
-        share: median(pairs.iter().map(|[whole, alone]| whole / alone)),
+        updates_per_s: middle(|p| p.whole),
+        alone_per_s: middle(|p| p.alone),
+        flowing_per_s: middle(|p| p.flowing),
+        share: middle(|p| p.whole / p.alone),
+        share_of_flowing: middle(|p| p.whole / p.flowing),
     }])
 }

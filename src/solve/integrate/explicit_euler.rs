@@ -4,6 +4,7 @@ use super::{Sums, acceleration, applied_at};
 use crate::body::state::State;
 use crate::math::Scalar;
 use crate::solve::external::ForceField;
+use crate::solve::forces::Commit;
 use crate::solve::solver::Solver;
 
 pub(super) fn predict<S: Scalar>(
@@ -12,7 +13,7 @@ pub(super) fn predict<S: Scalar>(
     h: S,
     field: Option<&dyn ForceField>,
 ) {
-    solver.evaluate(state, field, Some(h), S::ZERO);
+    solver.evaluate(state, field, Some(Commit::after(h)), S::ZERO);
     let mut sums = Sums::new();
     for i in 0..state.particles.len() {
         let p = state.particles[i];

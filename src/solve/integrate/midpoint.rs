@@ -4,6 +4,7 @@ use super::{Sums, acceleration, applied_at};
 use crate::body::state::State;
 use crate::math::Scalar;
 use crate::solve::external::ForceField;
+use crate::solve::forces::Commit;
 use crate::solve::solver::Solver;
 
 pub(super) fn predict<S: Scalar>(
@@ -14,7 +15,7 @@ pub(super) fn predict<S: Scalar>(
 ) {
     let half = S::of(0.5) * h;
     solver.save_start(state);
-    solver.evaluate(state, field, Some(h), S::ZERO);
+    solver.evaluate(state, field, Some(Commit::after(h)), S::ZERO);
     for (i, p) in state.particles.iter_mut().enumerate() {
         let a = acceleration(
             p,

@@ -4,6 +4,7 @@ use super::{Sums, acceleration, applied_at};
 use crate::body::state::State;
 use crate::math::Scalar;
 use crate::solve::external::ForceField;
+use crate::solve::forces::Commit;
 use crate::solve::solver::Solver;
 
 /// Where the next stage stands (fraction of h from the start) and the weight of this one.
@@ -28,7 +29,8 @@ pub(super) fn predict<S: Scalar>(
     let mut sums = Sums::new();
     let mut after = S::ZERO;
     for (stage, (to_next, weight)) in STAGES.into_iter().enumerate() {
-        solver.evaluate(state, field, (stage == 0).then_some(h), after);
+        let commit = (stage == 0).then_some(Commit::after(h));
+        solver.evaluate(state, field, commit, after);
         let (next, weight) = (h * S::of(to_next), h * S::of(weight));
         after = next;
         for (i, p) in state.particles.iter_mut().enumerate() {

@@ -8,6 +8,7 @@ use super::{Sums, acceleration, applied_at};
 use crate::body::state::State;
 use crate::math::Scalar;
 use crate::solve::external::ForceField;
+use crate::solve::forces::Commit;
 use crate::solve::kernel::{self, of_f32_mut};
 use crate::solve::solver::Solver;
 
@@ -18,7 +19,11 @@ pub(super) fn predict<S: Scalar>(
     field: Option<&dyn ForceField>,
 ) {
     let last = solver.last_substep.take().map_or(h, S::of);
-    solver.evaluate(state, field, Some(last), S::ZERO);
+    let commit = Commit {
+        since: last,
+        lead: S::of(0.5) * last,
+    };
+    solver.evaluate(state, field, Some(commit), S::ZERO);
     if last != h {
         let share = S::of(0.5) * (S::ONE + last / h);
         solver.forces.scale(share);

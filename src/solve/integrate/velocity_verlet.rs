@@ -12,7 +12,7 @@ use super::{Sums, acceleration, applied_at, dot};
 use crate::body::state::{Particle, State};
 use crate::math::Scalar;
 use crate::solve::external::ForceField;
-use crate::solve::forces::Force;
+use crate::solve::forces::{Commit, Force};
 use crate::solve::solver::Solver;
 
 /// What the last pass may still change, in changes by the first \[1\]. Passes contract by ½hc, at most ¼ (see
@@ -30,7 +30,7 @@ pub(super) fn predict<S: Scalar>(
     let half = S::of(0.5) * h;
     solver.save_start(state);
     let damped = solver.is_damped() || field.is_some();
-    solver.evaluate(state, field, Some(h), S::ZERO);
+    solver.evaluate(state, field, Some(Commit::after(h)), S::ZERO);
     let kick = half_kick(solver, state, half);
     let (mut change, mut passes) = (kick, 1);
     while damped && change > SETTLED * kick && passes < MOST {

@@ -14,7 +14,7 @@ use super::trial::{Nodes, Trial};
 use super::vector::{Aside, LANES, Runs, Vector, Wide};
 use crate::law::plastic;
 use crate::law::spring;
-use crate::solve::forces::{Happened, LimitEvent};
+use crate::solve::forces::{Commit, Happened, LimitEvent};
 
 /// What springs at their limits read and write in a pass.
 pub struct Limited<'a> {
@@ -22,8 +22,8 @@ pub struct Limited<'a> {
     /// Whether the mirror has velocities.
     pub velocities: bool,
     pub book: Book<'a>,
-    /// Time since the last commit \[s\]; none where nothing is to be written.
-    pub commit: Option<f32>,
+    /// Nothing where nothing is to be written.
+    pub commit: Option<Commit<f32>>,
     /// Plastic work \[J\] by lanes: a sum whose order does not depend on the width.
     pub plastic: [f64; LANES],
     /// Energy of broken springs \[J\], likewise.
@@ -48,7 +48,12 @@ pub struct Outcome {
 
 impl<'a> Limited<'a> {
     /// The whole of a body.
-    pub fn new(limits: Span<'a>, velocities: bool, book: Book<'a>, commit: Option<f32>) -> Self {
+    pub fn new(
+        limits: Span<'a>,
+        velocities: bool,
+        book: Book<'a>,
+        commit: Option<Commit<f32>>,
+    ) -> Self {
         Self {
             limits,
             velocities,
@@ -189,10 +194,10 @@ where
     #[inline(always)]
     fn run(self) -> Nodes<V> {
         match self.limited.commit {
-            Some(h) if self.limited.limits.palette.is_breaking() => {
-                self.commit::<true>(V::of(h.into()))
+            Some(commit) if self.limited.limits.palette.is_breaking() => {
+                self.commit::<true>(commit)
             }
-            Some(h) => self.commit::<false>(V::of(h.into())),
+            Some(commit) => self.commit::<false>(commit),
             None => self.try_out(),
         }
     }
@@ -225,9 +230,9 @@ where
         nodes
     }
 
-    /// Forces at the end of a substep of h \[s\]: springs flow, and break where any can.
+    /// Forces at the end of a substep: springs flow, and break where any can.
     #[inline(always)]
-    fn commit<const BREAKING: bool>(self, h: V) -> Nodes<V> {
+    fn commit<const BREAKING: bool>(self, commit: Commit<f32>) -> Nodes<V> {
         let Self {
             limited,
             table,
@@ -240,6 +245,7 @@ where
         if !DAMPED {
             nodes.velocity = table.own(slice).velocity(part);
         }
+        let [since, lead] = [commit.since, commit.lead].map(|x| V::of(x.into()));
         let (mut flowed, mut broke) = (0, 0);
         let mut plastic = [0.0; LANES];
         let palette = limited.limits.palette;
@@ -259,18 +265,18 @@ where
             let flows = amount.bits_above(V::ZERO);
             (old_rest + mapped.flow).store(rest, part);
             (old_flow + amount).store(flow, part);
-            let mut rate = V::ZERO;
-            if DAMPED || flows != 0 {
-                rate = nodes.rate(&trial, &far, part);
-            }
-            // The trapezoid, as for every other work: the tension of the last commit follows from the rate.
-            let last = stiffness * (trial.elongation - h * rate);
-            add_work::<V>(&mut plastic, plastic::work(last, &mapped));
             let (breaks, held) = if BREAKING {
                 law.breaks(&trial, mapped.tension)
             } else {
                 (0, V::ONE)
             };
+            let mut rate = V::ZERO;
+            if DAMPED || flows | breaks != 0 {
+                rate = nodes.rate(&trial, &far, part);
+            }
+            // The trapezoid, as for every other work: the tension of the last commit follows from the rate.
+            let last = stiffness * (trial.elongation - since * rate);
+            add_work::<V>(&mut plastic, plastic::work(last, &mapped));
             let yields = flows & !old_flow.bits_above(V::ZERO);
             if yields | breaks != 0 {
                 let lanes = Lanes {
@@ -280,7 +286,9 @@ where
                     breaks,
                 };
                 let energy = spring::energy(stiffness, trial.elongation - mapped.flow);
-                teller.tell(&lanes, &wide(mapped.tension), &wide(energy));
+                let lost = energy - lead * mapped.tension * rate;
+                let told = [mapped.tension, energy, lost].map(wide);
+                teller.tell(&lanes, &told);
             }
             let of_held = |x| {
                 if BREAKING {
@@ -348,10 +356,11 @@ struct Teller<'a, 'b> {
 }
 
 impl Teller<'_, '_> {
-    /// Writes down what happened to springs, with their tensions \[N\] and energies \[J\]. The end that counts tells of it.
+    /// Writes down what happened to springs, with their tensions \[N\], their energies \[J\], and what of energy goes if
+    /// they break \[J\]. The end that counts tells of it.
     #[cold]
     #[inline(never)]
-    fn tell(&mut self, lanes: &Lanes, tension: &Wide, energy: &Wide) {
+    fn tell(&mut self, lanes: &Lanes, [tension, energy, lost]: &[Wide; 3]) {
         for l in (0..LANES).filter(|l| (lanes.yields | lanes.breaks) >> l & 1 == 1) {
             let Some(spring) = self.telling.spring(lanes.slot, lanes.first + l) else {
                 continue;
@@ -364,7 +373,7 @@ impl Teller<'_, '_> {
                 energy: energy.0[l],
             };
             if entry.broke {
-                self.fracture[lanes.first + l] += f64::from(entry.energy);
+                self.fracture[lanes.first + l] += f64::from(lost.0[l]);
             }
             match self.book {
                 Book::Events(events) => entry.tell(events),

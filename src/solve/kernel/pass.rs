@@ -9,7 +9,7 @@ use super::vector::{LANES, Pass, Runs, Vector, Width, Writer, put_four, run};
 use super::{Kernel, SLICES};
 use crate::body::state::State;
 use crate::law::spring;
-use crate::solve::forces::{Forces, Happened, Lanes, LimitEvent};
+use crate::solve::forces::{Commit, Forces, Happened, Lanes, LimitEvent};
 use crate::solve::springs::{Rows, SpringTable};
 use crate::solve::threads::{BLOCK, Work, parts, share};
 
@@ -28,7 +28,7 @@ pub(crate) fn spring_forces(
     state: &mut State<f32>,
     forces: &mut Forces<f32>,
     events: &mut Vec<LimitEvent<f32>>,
-    (commit, drag): (Option<f32>, f32),
+    (commit, drag): (Option<Commit<f32>>, f32),
 ) -> Option<Happened> {
     if Width::of(kernel) == Width::Portable {
         table.drop_rows(state);

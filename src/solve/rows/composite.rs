@@ -145,10 +145,10 @@ impl Composites {
 
     /// How the composite of a tie answers an error of this tie alone: −impulse by error \[kg\]. `None` if it has none.
     /// `response` is that of its shadow there \[1/kg\].
-    pub fn mass(&self, i: usize, response: DMat3) -> Option<DMat3> {
+    pub fn mass(&self, i: usize, response: impl FnOnce() -> DMat3) -> Option<DMat3> {
         self.of_tie(i)?;
         let m = self.masses[i];
-        Some(DMat3::from_diagonal(DVec3::splat(m)) - response * (m * m))
+        Some(DMat3::from_diagonal(DVec3::splat(m)) - response() * (m * m))
     }
 
     /// Pairs of ties of the same composite, enough to lead from each to all others.

@@ -30,17 +30,7 @@ impl Rows {
     /// Solves all rows in at most `passes` passes, or so many times as many where they need it, stopping once one changes
     /// nothing, and books the impulses to the shadows. `reversed` picks the order of the first pass.
     pub fn solve(&mut self, shadows: &mut [Shadow], h: f64, passes: usize, reversed: bool) {
-        let squeezed = self.contacts.len() + self.ties.len() > 1;
-        if squeezed {
-            self.squeeze
-                .find(self.nodes.len(), &self.contacts, &self.ties, &self.terms);
-            self.held.clear();
-            self.held.resize(self.contacts.len(), Held::default());
-            let alone = |row: &&mut Row| self.squeeze.stands_alone(row, &self.terms);
-            self.contacts.iter_mut().filter(alone).for_each(Row::cool);
-        } else {
-            self.contacts.iter_mut().for_each(Row::cool);
-        }
+        let squeezed = self.find_squeezed();
         let rows = self.contacts.len() + self.ties.len() + self.rigid.len() + self.joints.len();
         self.worklist.start(self.nodes.len(), shadows, rows);
         let negligible = if self.ties.is_empty() {
@@ -81,41 +71,25 @@ impl Rows {
         pass.start_shadows();
         pass.start_warm(&mut self.clusters);
         pass.pass_over_still();
-        let most = if self.blow || pass.is_coupled() {
-            SINKING * passes
-        } else {
-            passes
-        };
-        let mut thorough = self.blow;
-        for n in 0..most {
-            let looks = n >= COUPLED * passes && n % passes == 0;
-            if looks && !pass.sinks(SINKS * self.push_out) {
-                break;
-            }
-            pass.settled.tolerance = if n < passes { 1e-9 } else { 1e-3 };
-            let late = (passes..COUPLED * passes).contains(&n);
-            pass.rests = late && !thorough && n % RESTS != 0;
-            let changed = if reversed == (n % 2 == 0) {
-                pass.solve_joints(true)
-                    | pass.solve_rigid(true)
-                    | pass.solve_contacts((0..pass.contacts.len()).rev())
-                    | pass.solve_ties((0..pass.ties.len()).rev())
-            } else {
-                pass.solve_ties(0..pass.ties.len())
-                    | pass.solve_contacts(0..pass.contacts.len())
-                    | pass.solve_rigid(false)
-                    | pass.solve_joints(false)
-            };
-            if !changed {
-                thorough = pass.rests && pass.sinks(SINKS * self.push_out);
-                if !thorough {
-                    break;
-                }
-            }
-        }
+        pass.converge(passes, self.blow, SINKS * self.push_out, reversed);
         pass.follow_all();
         pass.book();
         self.composites.end(shadows);
+    }
+
+    /// Finds what is squeezed between rows; `false` where there is too little for that.
+    fn find_squeezed(&mut self) -> bool {
+        if self.contacts.len() + self.ties.len() <= 1 {
+            self.contacts.iter_mut().for_each(Row::cool);
+            return false;
+        }
+        self.squeeze
+            .find(self.nodes.len(), &self.contacts, &self.ties, &self.terms);
+        self.held.clear();
+        self.held.resize(self.contacts.len(), Held::default());
+        let alone = |row: &&mut Row| self.squeeze.stands_alone(row, &self.terms);
+        self.contacts.iter_mut().filter(alone).for_each(Row::cool);
+        true
     }
 
     /// Ends a substep of h s: rigid contacts and joints go on from where their shadows take them.
@@ -128,8 +102,7 @@ impl Rows {
     /// Warm starts of substeps that are from now on `ratio` times as long.
     pub fn change_substep(&mut self, ratio: f64) {
         for row in &mut self.rigid {
-            row.normal_impulse *= ratio;
-            row.friction_impulse *= ratio;
+            row.scale(ratio);
         }
         for joint in &mut self.joints {
             joint.impulses *= ratio;
@@ -159,6 +132,47 @@ pub(super) struct Pass<'a> {
 }
 
 impl Pass<'_> {
+    /// Passes over the rows until one changes nothing, `passes` at most, or so many times as many where rows hang together or
+    /// something sinks in faster than `sinks` m/s. After a blow none of them is rested.
+    fn converge(&mut self, passes: usize, blow: bool, sinks: f64, reversed: bool) {
+        let most = if blow || self.is_coupled() {
+            SINKING * passes
+        } else {
+            passes
+        };
+        let mut thorough = blow;
+        for n in 0..most {
+            let looks = n >= COUPLED * passes && n % passes == 0;
+            if looks && !self.sinks(sinks) {
+                break;
+            }
+            self.settled.tolerance = if n < passes { 1e-9 } else { 1e-3 };
+            let late = (passes..COUPLED * passes).contains(&n);
+            self.rests = late && !thorough && n % RESTS != 0;
+            if !self.solve_all(reversed == (n % 2 == 0)) {
+                thorough = self.rests && self.sinks(sinks);
+                if !thorough {
+                    break;
+                }
+            }
+        }
+    }
+
+    /// One pass over all rows, forth or back; whether it changed anything.
+    fn solve_all(&mut self, back: bool) -> bool {
+        if back {
+            self.solve_joints(true)
+                | self.solve_rigid(true)
+                | self.solve_contacts((0..self.contacts.len()).rev())
+                | self.solve_ties((0..self.ties.len()).rev())
+        } else {
+            self.solve_ties(0..self.ties.len())
+                | self.solve_contacts(0..self.contacts.len())
+                | self.solve_rigid(false)
+                | self.solve_joints(false)
+        }
+    }
+
     /// Whether rows share nodes, or shadows press on each other: these take more passes when a blow finds them unprepared.
     fn is_coupled(&self) -> bool {
         !self.rigid.is_empty()

@@ -5,9 +5,9 @@
 //! to everything beside it. Their impulses stay among the shadows: Rapier gets only what deformables gave.
 
 use super::climb::Climb;
-use super::contact::Response;
+use super::pass::inverse;
 use super::settled::{Give, Settled};
-use crate::law::row::{allowed_velocity, friction_impulse, normal_impulse};
+use crate::law::row::{allowed_velocity, normal_impulse};
 use crate::math::DVec3;
 use crate::solve::shadow::Shadow;
 
@@ -33,14 +33,64 @@ pub struct RigidRow {
     pub belt: DVec3,
     /// Accumulated normal impulse of this substep, at its start that of the last one \[N·s\].
     pub normal_impulse: f64,
-    /// Accumulated friction impulse on the second, likewise \[N·s\].
-    pub friction_impulse: DVec3,
+    /// Accumulated friction impulse on the second along two sides that are square to the normal, likewise \[N·s\].
+    pub friction_impulse: [f64; 2],
     /// Whether the bodies have pressed on each other in any substep so far.
     pub pressed: bool,
-    /// What the pass makes of it, the second one's point being that which gets the impulse.
-    pub response: Response,
-    /// Which of the shadows give way; set by the pass.
-    pub moves: [bool; 2],
+    /// What the pass makes of it.
+    pub made: Made,
+}
+
+/// How two shadows answer at a point, set for a substep. All is along the normal and two sides: a visit is three numbers in
+/// and three out, however the bodies' masses lie.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Made {
+    axes: [Axis; 3],
+    /// Relative velocity along each by an impulse along each \[1/kg\].
+    response: [[f64; 3]; 3],
+    /// Effective mass along the normal \[kg\].
+    mass: f64,
+    /// Smallest relative normal velocity that is allowed \[m/s\].
+    allowed: f64,
+    /// Velocity of the belt along the sides \[m/s\].
+    belt: [f64; 2],
+    /// What the shadows make of an impulse.
+    give: Give,
+    /// Which of them give way.
+    moves: [bool; 2],
+}
+
+/// A direction, and what the shadows have to do with it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Axis {
+    along: DVec3,
+    /// Arm × direction: what the turning of each does to the point along it \[m\].
+    turns: [DVec3; 2],
+    /// What an impulse along it does to the velocities of each \[1/kg\] and to their spins \[1/(kg·m)\].
+    velocity: [DVec3; 2],
+    spin: [DVec3; 2],
+}
+
+impl Axis {
+    fn of(along: DVec3, row: &RigidRow, sides: [&Shadow; 2]) -> Self {
+        let mut axis = Self {
+            along,
+            turns: row.arms.map(|arm| arm.cross(along)),
+            ..Self::default()
+        };
+        for (k, side) in sides.into_iter().enumerate() {
+            let impulse = along * ([-1.0, 1.0][k] * row.shares[k]);
+            let torque = row.arms[k].cross(impulse);
+            (axis.velocity[k], axis.spin[k]) = side.answer(impulse, torque);
+        }
+        axis
+    }
+
+    /// Velocity of the second's point relative to the first's along it, by what both do \[m/s\].
+    #[inline(always)]
+    fn speed(&self, relative: DVec3, spins: [DVec3; 2]) -> f64 {
+        self.along.dot(relative) + self.turns[1].dot(spins[1]) - self.turns[0].dot(spins[0])
+    }
 }
 
 /// Starts a substep of h s: shadows get what the rows gave them in the last one, or that share of it which leads farthest
@@ -58,98 +108,143 @@ pub(super) fn start_rigid(rows: &mut [RigidRow], shadows: &mut [Shadow], h: f64)
     let share = climb.lowest();
     if share < 1.0 {
         for row in rows {
-            row.push(shadows, row.impulse() * (share - 1.0));
-            row.normal_impulse *= share;
-            row.friction_impulse *= share;
+            row.push(shadows, row.impulse().map(|j| j * (share - 1.0)));
+            row.scale(share);
         }
     }
 }
 
 impl RigidRow {
-    fn impulse(&self) -> DVec3 {
-        self.normal * self.normal_impulse + self.friction_impulse
+    /// Along the normal and the sides \[N·s\].
+    fn impulse(&self) -> [f64; 3] {
+        let [first, second] = self.friction_impulse;
+        [self.normal_impulse, first, second]
+    }
+
+    /// Makes its impulses larger or smaller.
+    pub(super) fn scale(&mut self, by: f64) {
+        self.normal_impulse *= by;
+        self.friction_impulse = self.friction_impulse.map(|j| j * by);
     }
 
     /// The slope of what rows minimise along the impulse of this one, times the impulse \[J\].
     fn slope(&self, shadows: &[Shadow]) -> f64 {
-        let v = self.velocity(shadows);
-        self.normal_impulse * (v.dot(self.normal) - self.response.allowed)
-            + self.friction_impulse.dot(v - self.belt)
+        let [normal, first, second] = self.velocities(shadows);
+        let ([along_first, along_second], belt) = (self.friction_impulse, self.made.belt);
+        self.normal_impulse * (normal - self.made.allowed)
+            + along_first * (first - belt[0])
+            + along_second * (second - belt[1])
     }
 
     /// The speed that it has to stop in a substep of h s \[m/s\].
     pub(super) fn closing(&self, shadows: &[Shadow], h: f64) -> f64 {
-        allowed_velocity(-self.gap, h, 0.0) - self.velocity(shadows).dot(self.normal)
+        allowed_velocity(-self.gap, h, 0.0) - self.speed(shadows)
     }
 
     fn prepare(&mut self, shadows: &[Shadow], h: f64) {
         let sides = self.shadows.map(|i| &shadows[i as usize]);
-        self.moves = sides.map(Shadow::gives_way);
-        self.response = Response {
-            allowed: allowed_velocity(-self.gap, h, 0.0),
-            ..Response::default()
-        };
-        for (k, side) in sides
-            .into_iter()
-            .enumerate()
-            .filter(|(k, _)| self.moves[*k])
-        {
-            self.response.rigid += side.response_matrix(self.arms[k]) * self.shares[k];
+        let side = self.normal.any_orthonormal_vector();
+        let across = [side, self.normal.cross(side)];
+        let along = [self.normal, across[0], across[1]];
+        for (i, along) in along.into_iter().enumerate() {
+            self.made.axes[i] = Axis::of(along, self, sides);
         }
-        self.response.mass = self.response.mass_along(self.normal);
-        self.response.give = Give::of(0.0, &self.response.rigid);
+        let made = &mut self.made;
+        let mut square = 0.0;
+        for (out, responses) in made.axes.iter().zip(&mut made.response) {
+            for (by, response) in made.axes.iter().zip(responses) {
+                *response = out.speed(by.velocity[1] - by.velocity[0], by.spin);
+                square += *response * *response;
+            }
+        }
+        made.mass = inverse(made.response[0][0]);
+        made.allowed = allowed_velocity(-self.gap, h, 0.0);
+        made.belt = across.map(|side| self.belt.dot(side));
+        made.give.shadows = square.sqrt();
+        made.moves = sides.map(Shadow::gives_way);
     }
 
     /// One visit of a pass; whether it was not settled yet.
     pub(super) fn solve(&mut self, shadows: &mut [Shadow], settled: Settled) -> bool {
-        let mut relative = self.velocity(shadows);
-        let Response { allowed, mass, .. } = self.response;
-        let jn = normal_impulse(
-            self.normal_impulse,
-            allowed,
-            relative.dot(self.normal),
+        let [speed, first, second] = self.velocities(shadows);
+        let Made {
+            response,
             mass,
-        );
+            allowed,
+            belt,
+            give,
+            ..
+        } = &self.made;
+        let jn = normal_impulse(self.normal_impulse, *allowed, speed, *mass);
         let pressed = jn - self.normal_impulse;
-        let mut impulse = self.normal * pressed;
+        let mut given = [pressed, 0.0, 0.0];
         self.normal_impulse = jn;
         let limit = self.friction * jn;
-        if limit > 0.0 || self.friction_impulse != DVec3::ZERO {
-            relative += self.response.to(impulse) - self.belt;
-            let slip = relative - self.normal * relative.dot(self.normal);
-            let mass = self.response.mass_along(slip);
-            if mass > 0.0 {
-                let jt = friction_impulse(self.friction_impulse, slip, mass, limit);
-                let rubbed = jt - self.friction_impulse;
-                self.friction_impulse = jt;
-                impulse += rubbed;
-            }
+        if limit > 0.0 || self.friction_impulse != [0.0; 2] {
+            let slip = [
+                first + response[1][0] * pressed - belt[0],
+                second + response[2][0] * pressed - belt[1],
+            ];
+            let rubbed = rub(response, slip, self.friction_impulse, limit);
+            given[1] = rubbed[0] - self.friction_impulse[0];
+            given[2] = rubbed[1] - self.friction_impulse[1];
+            self.friction_impulse = rubbed;
         }
-        self.push(shadows, impulse);
-        let change = impulse.length_squared();
-        settled.felt(change, jn * jn, self.response.give).any()
+        let (settles, change) = (*give, given.iter().map(|j| j * j).sum());
+        self.push(shadows, given);
+        settled.felt(change, jn * jn, settles).any()
     }
 
     /// Ends a substep of h s.
     pub(super) fn end(&mut self, shadows: &[Shadow], h: f64) {
         self.pressed |= self.normal_impulse > 0.0;
-        self.gap += h * self.velocity(shadows).dot(self.normal);
+        self.gap += h * self.speed(shadows);
     }
 
-    /// Velocity of the second's point relative to the first's \[m/s\].
-    fn velocity(&self, shadows: &[Shadow]) -> DVec3 {
+    /// Velocity of the second's point relative to the first's along the normal \[m/s\].
+    fn speed(&self, shadows: &[Shadow]) -> f64 {
         let at = |k: usize| shadows[self.shadows[k] as usize].velocity_at(self.arms[k]);
-        at(1) - at(0)
+        (at(1) - at(0)).dot(self.normal)
     }
 
-    fn push(&self, shadows: &mut [Shadow], impulse: DVec3) {
-        if impulse == DVec3::ZERO {
-            return;
-        }
-        for k in (0..2).filter(|k| self.moves[*k]) {
-            let sign = [-1.0, 1.0][k];
+    /// The same along the normal and the sides.
+    #[inline(always)]
+    fn velocities(&self, shadows: &[Shadow]) -> [f64; 3] {
+        let [a, b] = self.shadows.map(|i| &shadows[i as usize]);
+        let (relative, spins) = (b.v - a.v, [a.w, b.w]);
+        let axes = &self.made.axes;
+        [0, 1, 2].map(|i| axes[i].speed(relative, spins))
+    }
+
+    /// Gives the shadows an impulse along the normal and the sides \[N·s\].
+    #[inline(always)]
+    fn push(&self, shadows: &mut [Shadow], impulse: [f64; 3]) {
+        let [n, s, t] = &self.made.axes;
+        let [along_n, along_s, along_t] = impulse;
+        for k in (0..2).filter(|k| self.made.moves[*k]) {
             let shadow = &mut shadows[self.shadows[k] as usize];
-            shadow.push(self.arms[k], impulse * (sign * self.shares[k]));
+            shadow.v += n.velocity[k] * along_n + s.velocity[k] * along_s + t.velocity[k] * along_t;
+            shadow.w += n.spin[k] * along_n + s.spin[k] * along_s + t.spin[k] * along_t;
         }
+    }
+}
+
+/// The friction impulse that stops a slip \[m/s\], or the largest that there is against it \[N·s\].
+#[inline(always)]
+fn rub(response: &[[f64; 3]; 3], slip: [f64; 2], before: [f64; 2], limit: f64) -> [f64; 2] {
+    let [x, y] = slip;
+    let square = x * x + y * y;
+    let given = response[1][1] * x * x + 2.0 * response[1][2] * x * y + response[2][2] * y * y;
+    if given <= 0.0 {
+        return before;
+    }
+    let mass = square / given;
+    let wanted = [before[0] - x * mass, before[1] - y * mass];
+    let square = wanted[0] * wanted[0] + wanted[1] * wanted[1];
+    if square > limit * limit {
+        let share = limit / square.sqrt();
+        wanted.map(|j| j * share)
+    } else {
+        wanted
     }
 }

@@ -348,7 +348,7 @@ impl Pass<'_> {
         let inv_mass = self.points.nodes[node as usize].inv_mass;
         let mut response = DMat3::from_diagonal(DVec3::splat(inv_mass));
         if let Some(tie) = self.squeeze.tie(node) {
-            response -= self.ties[tie].mass * inv_mass.powi(2);
+            response -= self.tie_mass(tie) * inv_mass.powi(2);
         }
         for own in self.squeeze.own(node).filter(|own| *own != but) {
             let row = &self.contacts[own];

@@ -4,6 +4,7 @@ use super::Terms;
 use super::pass::Pass;
 use super::settled::Give;
 use crate::math::{DMat3, DVec3};
+use crate::solve::shadow::Norms;
 
 /// A point held at a point of a shadow, or of another deformable.
 #[derive(Clone, Copy, Debug)]
@@ -32,27 +33,44 @@ pub struct Tie {
     pub softness: f64,
     /// Accumulated impulse on the node \[N·s\].
     pub impulse: DVec3,
-    /// Effective mass, in a composite that with all of its other ties \[kg\]; set by the pass.
+    /// Effective mass \[kg\], of one in a composite not used; set by the pass.
     pub mass: DMat3,
-    /// What nodes and shadow make of its impulse; set by the pass.
+    /// What nodes and shadow make of its impulse, or more; set by the pass.
     pub give: Give,
 }
 
 impl Pass<'_> {
     /// What ties make of their impulses.
     pub fn prepare_ties(&mut self) {
+        let mut last = (0, Norms::default());
         for (i, tie) in self.ties.iter_mut().enumerate() {
+            let shadow = &self.shadows[tie.shadow as usize];
+            let nodes = self.points.give(tie.terms);
+            if self.composites.of_tie(i).is_some() {
+                if last.0 != tie.shadow {
+                    last = (tie.shadow, shadow.norms());
+                }
+                let shadows = last.1.response(tie.arm);
+                tie.give = Give { nodes, shadows };
+                continue;
+            }
             let own = self.points.response(tie.terms) + tie.softness;
-            let rigid = self.shadows[tie.shadow as usize].response_matrix(tie.arm);
-            let k = DMat3::from_diagonal(DVec3::splat(own)) + rigid;
-            tie.give = Give::of(self.points.give(tie.terms), &rigid);
-            tie.mass = match self.composites.mass(i, rigid) {
-                Some(mass) => mass,
-                None if own > 0.0 => k.inverse(),
+            let rigid = shadow.response_matrix(tie.arm);
+            tie.give = Give::of(nodes, &rigid);
+            tie.mass = if own > 0.0 {
+                (DMat3::from_diagonal(DVec3::splat(own)) + rigid).inverse()
+            } else {
                 // Neither side gives way.
-                None => DMat3::ZERO,
+                DMat3::ZERO
             };
         }
+    }
+
+    /// −impulse by error of a tie alone, in a composite that with all of its other ties \[kg\].
+    pub fn tie_mass(&self, i: usize) -> DMat3 {
+        let tie = &self.ties[i];
+        let rigid = || self.shadows[tie.shadow as usize].response_matrix(tie.arm);
+        self.composites.mass(i, rigid).unwrap_or(tie.mass)
     }
 
     /// Visits ties in an order; whether any was not settled yet.

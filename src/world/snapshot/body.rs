@@ -12,6 +12,7 @@ use crate::solve::forces::Forces;
 use crate::solve::work::Work;
 use crate::solve::{Integrator, Solver};
 use crate::world::sleep::Sleep;
+use crate::world::steady::Steadiness;
 use crate::world::{Deformable, DeformableParameters, Substeps};
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -46,6 +47,7 @@ struct Saved {
     moved: f64,
     shifted: f64,
     h: f64,
+    steady: Steadiness,
     links: f64,
     told: Vec<u32>,
     /// Low and high half: not every format has 128 bits.
@@ -101,6 +103,7 @@ impl Saved {
             moved: body.moved,
             shifted: body.shifted,
             h: body.h,
+            steady: body.steady,
             links: body.links,
             told: body.told.clone(),
             user_data: [body.user_data as u64, (body.user_data >> 64) as u64],
@@ -211,6 +214,7 @@ impl Saved {
             moved: self.moved,
             shifted: self.shifted,
             h: self.h,
+            steady: self.steady,
             links: self.links,
             told: self.told,
             user_data: u128::from(self.user_data[0]) | u128::from(self.user_data[1]) << 64,

@@ -6,6 +6,7 @@ mod brute;
 mod debug;
 mod events;
 mod forces;
+mod frames;
 mod handles;
 mod hooks;
 mod kinematic;

@@ -6,6 +6,7 @@ mod carried;
 mod heap;
 mod impact;
 mod joints;
+mod laden;
 mod links;
 mod rest;
 mod soft;

@@ -4,6 +4,7 @@ mod bars;
 mod chains;
 mod cloth;
 mod crash;
+mod fracture;
 mod held;
 mod impact;
 mod integrators;

@@ -1,0 +1,128 @@
+//! How steady a body's substeps are, and how long they may be because of that.
+//!
+//! Of a mode with the frequency ω leapfrog keeps x² + (v/ω)²/(1 − a²) with a = ½hω: another energy at another h. A change of h
+//! multiplies the second part by (1 − a₁²)/(1 − a₂²), up or down, as the mode happens to swing. Many such changes are a pump,
+//! which makes ρ²/4 more of the energy in each on the mean, with ρ = δ·2a²/(1 − a²) for a change by δ = Δh/h: close to the limit,
+//! a = 1, very much. So where frames differ, or the stable substep does, what is not damped must keep farther from it.
+
+use crate::solve::Integrator;
+
+/// By what share the energy of the fastest mode may grow in a rigid step, in a thousand of which it may double \[1\].
+const GROWTH: f64 = 5e-5;
+/// Over how many rigid steps changes are looked back at.
+const MEMORY: f64 = 16.0;
+
+/// The last substep of a body, and how much they have changed of late.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
+pub(super) struct Steadiness {
+    /// \[s\], 0 for none; as if it had been made no shorter to be calm.
+    last: f64,
+    /// Mean square of the logarithm of the ratio of a substep to that of the rigid step before \[1\].
+    change: f64,
+    /// The largest share of the stable substep that is calm \[1\].
+    calm: f64,
+}
+
+impl Default for Steadiness {
+    fn default() -> Self {
+        Self {
+            last: 0.0,
+            change: 0.0,
+            calm: 1.0,
+        }
+    }
+}
+
+impl Steadiness {
+    /// The largest share of the stable substep that gives the fastest mode no energy; `most` if that is less.
+    pub fn share(&self, most: f64) -> f64 {
+        self.calm.min(most)
+    }
+
+    /// Takes note of the substep of the last rigid step \[s\], which was `most` of the stable one or shorter to be calm, and
+    /// finds what will be. `decay` is by what share at least damping takes from the energy of the fastest mode within a rigid
+    /// step; it is asked for where substeps have changed. Other schemes lose energy where a change might give them any.
+    pub fn note(&mut self, h: f64, most: f64, integrator: Integrator, decay: impl FnOnce() -> f64) {
+        let h = h * most / self.share(most);
+        if self.last > 0.0 && h > 0.0 {
+            let change = (h / self.last).ln().powi(2);
+            self.change += (change - self.change) / MEMORY;
+        }
+        self.last = h;
+        let keeps_energy = matches!(
+            integrator,
+            Integrator::SymplecticEuler | Integrator::VelocityVerlet
+        );
+        // A thousandth does nothing at 0.97 of the limit.
+        self.calm = if keeps_energy && self.change > 1e-6 {
+            let rho = ((decay() + GROWTH) / self.change).sqrt();
+            (1.0 + 1.0 / rho).sqrt().recip()
+        } else {
+            1.0
+        };
+    }
+}
+
+/// Whether damping that takes so large a share of the energy of the fastest mode within a rigid step leaves it to itself: by more no
+/// change of the substep can matter.
+pub(super) fn is_lively(decay: f64) -> bool {
+    decay < 0.1
+}
+
+/// How many substeps to make where `least` would do and the last ones were so long that `last` would be: as many as that, as
+/// long as it is hardly more.
+pub(super) fn steady_count(least: usize, last: f64) -> usize {
+    let last = last.round();
+    let most = least + (least / 16).max(1);
+    if last >= least as f64 && last <= most as f64 {
+        last as usize
+    } else {
+        least
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn after(substeps: impl Fn(usize) -> f64, integrator: Integrator, decay: f64) -> f64 {
+        let mut steady = Steadiness::default();
+        for i in 0..200 {
+            // As a body does that takes the share that it is told.
+            let h = substeps(i) * steady.share(0.9);
+            steady.note(h, 0.9, integrator, || decay);
+        }
+        steady.share(1.0)
+    }
+
+    #[test]
+    fn even_substeps_may_be_long() {
+        assert_eq!(after(|_| 1e-3, Integrator::SymplecticEuler, 0.0), 1.0);
+        // One change is nothing.
+        let once = |i| if i < 20 { 1e-3 } else { 2e-3 };
+        assert_eq!(after(once, Integrator::SymplecticEuler, 0.0), 1.0);
+    }
+
+    #[test]
+    fn uneven_ones_may_not_unless_something_damps() {
+        let uneven = |i| if i % 2 == 0 { 1.0e-3 } else { 1.05e-3 };
+        let undamped = after(uneven, Integrator::VelocityVerlet, 0.0);
+        assert!((0.3..0.45).contains(&undamped), "{undamped}");
+        assert!(after(uneven, Integrator::SymplecticEuler, 1.0) > 0.97);
+        assert_eq!(after(uneven, Integrator::Rk4, 0.0), 1.0);
+    }
+
+    #[test]
+    fn substeps_stay_as_they_were_while_that_costs_little() {
+        assert_eq!(steady_count(40, 41.0), 41);
+        assert_eq!(steady_count(40, 42.2), 42);
+        assert_eq!(steady_count(40, 43.0), 40);
+        assert_eq!(steady_count(40, 39.0), 40);
+        assert_eq!(steady_count(1, 2.0), 2);
+        assert_eq!(steady_count(3, f64::NAN), 3);
+    }
+}
