@@ -2,7 +2,7 @@
 
 use super::Deformable;
 use super::params::Substeps;
-use super::steady::{is_lively, steady_count};
+use super::steady::{SHAPE, SHAPE_OF_TETS, is_lively, steady_count};
 use crate::body::BuildError;
 use crate::math::Real;
 use crate::solve::stable::StableStep;
@@ -111,7 +111,13 @@ impl Deformable {
             _ => 1.0,
         };
         let mut steady = self.steady;
-        steady.note(self.h, most, integrator, || self.decay(&stable, dt));
+        let decay = || self.decay(&stable, dt);
+        let shape = if self.solver.part.is_some() {
+            SHAPE_OF_TETS
+        } else {
+            SHAPE
+        };
+        steady.note((self.h, frame), (most, shape), integrator, decay);
         self.steady = steady;
         self.substeps_of(&stable, dt, frame)
     }

@@ -83,7 +83,7 @@ fn a_plate_that_rings_gains_no_energy() {
             set.step(&mut world);
             assert!(!set[plate].is_frozen(), "{speed} m/s, frame {frame}");
             let off = (set[plate].energies().balance() - start.balance()) / start.kinetic;
-            assert!(off.abs() < 0.06, "{speed} m/s: {off} in frame {frame}");
+            assert!(off.abs() < 0.08, "{speed} m/s: {off} in frame {frame}");
         }
     }
 }
