@@ -73,7 +73,9 @@ impl Watch {
         let mut next = f64::INFINITY;
         for &i in &self.soon {
             let due = &mut self.due[i as usize];
-            if *due - way <= reach {
+            // A way that is no number has all looked at.
+            let is_far = *due - way > reach;
+            if !is_far {
                 let arrives = way + look(i, *due - way);
                 *due = if arrives.is_nan() {
                     f64::NEG_INFINITY
@@ -103,10 +105,10 @@ impl Watch {
             }
             *first = f64::INFINITY;
             for (i, &due) in (begin..).zip(block) {
-                if due <= horizon {
+                if due > horizon {
+                    until = until.min(due);
+                } else {
                     self.soon.push(i);
-                } else if due < until {
-                    until = due;
                 }
                 if due < *first {
                     *first = due;
@@ -119,7 +121,10 @@ impl Watch {
     /// The elements that may be within `reach` m.
     pub fn within(&self, way: f64, reach: f64) -> impl Iterator<Item = u32> {
         let due = (0..).zip(&self.due);
-        due.filter_map(move |(i, due)| (due - way <= reach).then_some(i))
+        due.filter_map(move |(i, due)| {
+            let is_far = due - way > reach;
+            (!is_far).then_some(i)
+        })
     }
 }
 

@@ -159,10 +159,10 @@ impl<S: Scalar> Solver<S> {
             decay = decay.min(solid.mass_damping + solid.stiffness_damping * square);
         }
         let masses = state.particles.iter().map(|p| p.inv_mass.f64());
-        let lightest = masses.filter(|w| *w > 0.0).fold(f64::INFINITY, f64::min);
+        let of_heaviest = masses.filter(|w| *w > 0.0).fold(f64::INFINITY, f64::min);
         let drag = self.external.drag.f64();
         if drag > 0.0 {
-            decay + drag * lightest
+            decay + drag * of_heaviest
         } else {
             decay
         }

@@ -16,7 +16,8 @@ pub struct Work {
     pub damping: f64,
     /// Dissipated by plastic flow.
     pub plastic: f64,
-    /// Elastic energy that springs held when they broke.
+    /// Energy that went with springs that broke: what they held, by symplectic Euler less what their tension would have done to
+    /// the velocities in half a substep. Of one that is torn within a substep that can be nothing, or less.
     pub fracture: f64,
     /// Dissipated by contacts, in the direction of the normal.
     pub contact_normal: f64,

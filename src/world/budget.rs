@@ -2,7 +2,7 @@
 
 use super::Deformable;
 use super::params::Substeps;
-use super::steady::{SHAPE, SHAPE_OF_TETS, is_lively, steady_count};
+use super::steady::{SHAPE, SHAPE_OF_TETS, Steadiness, is_lively, steady_count};
 use crate::body::BuildError;
 use crate::math::Real;
 use crate::solve::stable::StableStep;
@@ -106,9 +106,9 @@ impl Deformable {
     pub(super) fn review(&mut self, dt: f64, frame: f64) -> (usize, bool) {
         let integrator = self.integrator();
         let stable = self.solver.review(&mut self.state, integrator);
-        let most = match self.substeps() {
-            Substeps::Auto { safety, .. } => safety,
-            _ => 1.0,
+        let Substeps::Auto { safety, min_h } = self.substeps() else {
+            self.steady = Steadiness::default();
+            return self.substeps_of(&stable, dt, frame);
         };
         let mut steady = self.steady;
         let decay = || self.decay(&stable, dt);
@@ -117,14 +117,19 @@ impl Deformable {
         } else {
             SHAPE
         };
-        steady.note((self.h, frame), (most, shape), integrator, decay);
+        steady.note((self.h, frame), shape, integrator, decay);
         self.steady = steady;
-        self.substeps_of(&stable, dt, frame)
+        let needed = self.substeps_of(&stable, dt, frame);
+        let longest = |share: f64| (stable.h * share).max(min_h);
+        let shorter = longest(safety) / longest(steady.share(safety));
+        self.steady.ask(dt / needed.0 as f64, shorter);
+        needed
     }
 
-    /// What share of the energy of its fastest mode damping takes within `dt` s, at least.
+    /// What share of the energy of its fastest mode damping takes until it is reviewed again, in a rigid step of which `dt` s are left,
+    /// at least.
     fn decay(&self, stable: &StableStep, dt: f64) -> f64 {
-        dt * self.solver.least_decay(&self.state, 2.0 / stable.h)
+        dt.min(self.defaults.review_interval) * self.solver.least_decay(&self.state, 2.0 / stable.h)
     }
 
     fn substeps_of(&self, stable: &StableStep, dt: f64, frame: f64) -> (usize, bool) {

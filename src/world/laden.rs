@@ -40,7 +40,9 @@ impl DeformableWorld {
         let most = loads.into_iter().filter_map(|((index, generation), load)| {
             let handle = RigidBodyHandle::from_raw_parts(index, generation);
             let body = parts.bodies.get(handle)?;
-            let ratio = load / f64::from(body.mass());
+            // What has no mass does not move.
+            let mass = f64::from(body.mass());
+            let ratio = if mass > 0.0 { load / mass } else { 0.0 };
             (ratio > CALM && is_stopped(handle, body, parts)).then_some(ratio)
         });
         (most.fold(0.0, f64::max) / CALM).ceil().max(1.0) as usize

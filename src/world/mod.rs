@@ -256,7 +256,8 @@ impl DeformableWorld {
             let average =
                 [a.average.force, a.average.moment].map(|v| v.to_array().map(f64::to_bits));
             let [f, m] = average;
-            let rest = [a.energy.to_bits(), u64::from(a.is_broken())];
+            let broken = u64::from(a.is_broken());
+            let rest = [a.energy.to_bits(), a.moved_in.to_bits(), broken];
             let moved = a.moved.iter().flat_map(|m| m.to_array().map(f64::to_bits));
             f.into_iter().chain(m).chain(rest).chain(moved)
         });

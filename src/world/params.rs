@@ -76,7 +76,8 @@ pub struct DeformableParameters {
     /// The step of the world that [`Substeps::Fixed`] is checked against at insertion \[s\].
     pub expected_dt: f64,
     /// The longest Rapier step while a deformable can touch an awake dynamic body \[s\]; 0 steps Rapier at every substep,
-    /// which is the slow reference the coupling is measured against. Rapier is never stepped more often than that.
+    /// which is the slow reference the coupling is measured against. Rapier is never stepped more often than that. While a
+    /// body that carries more than three times its mass in welded or linked nodes touches another one, steps are shorter by as much.
     pub max_rigid_dt: f64,
     /// Gauss–Seidel passes over the rows of a substep: up to 4 times as many over those that hang together, and 64 times as
     /// many while anything sinks in at more than 3 % of [`Self::push_out_speed`]. 0 counts as 1.

@@ -7,14 +7,15 @@
 
 use crate::solve::Integrator;
 
-/// By what share the energy of the fastest mode may grow in a rigid step, in a thousand of which it may double \[1\].
+/// By what share the energy of the fastest mode may grow between two reviews of the stable substep \[1\]: a fifth in a minute of
+/// 60 frames per second.
 const GROWTH: f64 = 5e-5;
 /// What changes count that come from the shape of a body and not from the length of a frame: a blow is soon over \[1\].
 pub(super) const SHAPE: f64 = 0.03;
 /// The same of tets, which get stiff without limit as they are crushed: undamped plates that ring by their own still went
 /// non-finite with 0.03.
 pub(super) const SHAPE_OF_TETS: f64 = 0.2;
-/// Over how many rigid steps changes are looked back at.
+/// Over how many reviews changes are looked back at.
 const MEMORY: f64 = 16.0;
 
 /// The last substep of a body, and how much they have changed of late.
@@ -26,7 +27,9 @@ const MEMORY: f64 = 16.0;
 pub(super) struct Steadiness {
     /// \[s\], 0 for none; as if it had been made no shorter to be calm.
     last: f64,
-    /// Mean square of the logarithm of the ratio of a substep to that of the rigid step before \[1\].
+    /// What the body itself asked for \[s\], and by how much that was shorter to be calm \[1\].
+    asked: (f64, f64),
+    /// Mean square of the logarithm of the ratio of a substep to that of the review before \[1\].
     change: f64,
     /// The largest share of the stable substep that is calm \[1\].
     calm: f64,
@@ -38,6 +41,7 @@ impl Default for Steadiness {
     fn default() -> Self {
         Self {
             last: 0.0,
+            asked: (0.0, 1.0),
             change: 0.0,
             calm: 1.0,
             frame: 0.0,
@@ -51,17 +55,25 @@ impl Steadiness {
         self.calm.min(most)
     }
 
-    /// Takes note of the substep h of the last rigid step \[s\], which was `most` of the stable one or shorter to be calm, before
-    /// one in a `frame` of the world \[s\], and finds what will be. `shape` is what changes within a frame count. `decay` is by what share at least damping takes from the energy of the fastest mode within a rigid
-    /// step; it is asked for where substeps have changed. Other schemes lose energy where a change might give them any.
+    /// Takes note of what a body asks for, h s, `shorter` times as short as it would be without a need to be calm.
+    pub fn ask(&mut self, h: f64, shorter: f64) {
+        self.asked = (h, shorter);
+    }
+
+    /// Takes note of the substep h that was made since the last review, before one in a `frame` of the world \[s\], and finds what
+    /// will be. `shape` is what changes within a frame count. `decay` is by what share at least damping takes from the energy
+    /// of the fastest mode between reviews; it is asked for where substeps have changed. Other schemes lose energy where a
+    /// change might give them any.
     pub fn note(
         &mut self,
         (h, frame): (f64, f64),
-        (most, shape): (f64, f64),
+        shape: f64,
         integrator: Integrator,
         decay: impl FnOnce() -> f64,
     ) {
-        let h = h * most / self.share(most);
+        // Others may have asked for shorter ones.
+        let (asked, shorter) = self.asked;
+        let h = if h == asked { h * shorter } else { h };
         if self.last > 0.0 && h > 0.0 {
             let change = (h / self.last).ln().powi(2);
             let weight = if frame == self.frame { shape } else { 1.0 };
@@ -75,21 +87,22 @@ impl Steadiness {
         // A thousandth does nothing at 0.97 of the limit.
         self.calm = if keeps_energy && self.change > 1e-6 {
             let rho = ((decay() + GROWTH) / self.change).sqrt();
-            (1.0 + 1.0 / rho).sqrt().recip()
+            let calm = (1.0 + 1.0 / rho).sqrt().recip();
+            if calm.is_finite() { calm } else { 1.0 }
         } else {
             1.0
         };
     }
 }
 
-/// Whether damping that takes so large a share of the energy of the fastest mode within a rigid step leaves it to itself: by more no
+/// Whether damping that takes so large a share of the energy of the fastest mode between reviews leaves it to itself: by more no
 /// change of the substep can matter.
 pub(super) fn is_lively(decay: f64) -> bool {
     decay < 0.1
 }
 
 /// How many substeps to make where `least` would do and the last ones were so long that `last` would be: as many as that, as
-/// long as it is hardly more.
+/// long as it is a 16th more, or one.
 pub(super) fn steady_count(least: usize, last: f64) -> usize {
     let last = last.round();
     let most = least + (least / 16).max(1);
@@ -108,8 +121,10 @@ mod tests {
         let mut steady = Steadiness::default();
         for i in 0..200 {
             // As a body does that takes the share that it is told.
-            let h = substeps(i) * steady.share(0.9);
-            steady.note((h, i as f64), (0.9, SHAPE), integrator, || decay);
+            let share = steady.share(0.9);
+            let h = substeps(i) * share;
+            steady.ask(h, 0.9 / share);
+            steady.note((h, i as f64), SHAPE, integrator, || decay);
         }
         steady.share(1.0)
     }
@@ -137,7 +152,7 @@ mod tests {
         for i in 0..200 {
             let h = if i % 2 == 0 { 1.0e-3 } else { 1.05e-3 };
             let scheme = Integrator::SymplecticEuler;
-            steady.note((h, 0.02), (1.0, SHAPE), scheme, || 0.0);
+            steady.note((h, 0.02), SHAPE, scheme, || 0.0);
         }
         assert!((0.6..0.75).contains(&steady.share(1.0)));
     }

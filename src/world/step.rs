@@ -82,8 +82,8 @@ impl DeformableWorld {
 
     /// For those who own the loop: advances the deformables through `parts.integration_parameters.dt` and gives rigid
     /// bodies the first part of their impulses. Make one Rapier step, then call [`Self::after_step`]. Heavy bodies on
-    /// light deformables want Rapier steps of [`max_rigid_dt`](super::DeformableParameters::max_rigid_dt) or less here,
-    /// which [`Self::step`] sees to by itself.
+    /// light deformables want Rapier steps of [`max_rigid_dt`](super::DeformableParameters::max_rigid_dt) or less here, light
+    /// ones that carry heavy nodes and lie on something still less, which [`Self::step`] sees to by itself.
     pub fn before_step(&mut self, parts: &mut RapierParts, observer: &mut dyn Observer) {
         let dt = f64::from(parts.integration_parameters.dt);
         if self.takes(dt, parts.gravity) && dt > 0.0 {
@@ -140,18 +140,18 @@ impl DeformableWorld {
         let longest = self.params.max_rigid_dt;
         let finer = self.finer_steps(parts, longest.min(dt));
         // A hair less, so that 1/60 is four steps of 1/240 and not five.
-        let wanted = finer.saturating_mul(((dt / longest - 1e-6).ceil() as usize).max(1));
+        let usual = ((dt / longest - 1e-6).ceil() as usize).max(1);
         if longest > 1e-3 && finer == 1 {
-            return wanted;
+            return usual;
         }
         // Never more often than the deformables themselves.
         let bodies = self.iter().filter(|(_, b)| b.is_active());
         let substeps = bodies.map(|(_, b)| b.last_substeps(dt)).max();
-        let most = substeps.unwrap_or(1);
-        if longest > 0.0 {
-            wanted.min(most).max(1)
+        let wanted = usual.saturating_mul(finer).min(substeps.unwrap_or(1));
+        if longest > 1e-3 {
+            wanted.max(usual)
         } else {
-            most.max(1)
+            wanted.max(1)
         }
     }
 

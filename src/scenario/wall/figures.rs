@@ -55,13 +55,6 @@ pub(super) fn figures(run: &Run) -> Result<Figures, SceneError> {
     let mut figures = Figures::default();
     add_pulse(&mut figures, run, record)?;
     add_damage(&mut figures, run, record)?;
-    let deepest = depth(record, wall(run)?);
-    figures.add(
-        "max_penetration_m",
-        "deepest node in the wall",
-        deepest,
-        "m",
-    );
     add_crates(&mut figures, run, record)?;
     let closure = system_closure(run, record).max(run.recorder.momentum_closure());
     figures.add("momentum_closure", "momentum closure", closure, "");
@@ -141,7 +134,7 @@ fn add_damage(f: &mut Figures, run: &Run, record: &BodyRecord) -> Result<(), Sce
     Ok(())
 }
 
-/// What became of the crates.
+/// What became of the crates, and how deep the car was in them and in the wall.
 fn add_crates(f: &mut Figures, run: &Run, record: &BodyRecord) -> Result<(), SceneError> {
     let start = super::super::file("wall", &run.options)?;
     let crates = || run.cast.rigid.iter().filter(|r| r.0.starts_with("crate"));
@@ -155,6 +148,13 @@ fn add_crates(f: &mut Figures, run: &Run, record: &BodyRecord) -> Result<(), Sce
     });
     let pushed = pushed.count() as f64;
     f.add("crates_pushed", "crates pushed aside", pushed, "");
+    let deepest = depth(record, wall(run)?);
+    f.add(
+        "max_penetration_m",
+        "deepest node in the wall",
+        deepest,
+        "m",
+    );
     let depths = crates().map(|r| depth(record, r.2));
     let deepest = depths.fold(0.0, f64::max);
     f.add(

@@ -26,7 +26,7 @@ pub struct Limited<'a> {
     pub commit: Option<Commit<f32>>,
     /// Plastic work \[J\] by lanes: a sum whose order does not depend on the width.
     pub plastic: [f64; LANES],
-    /// Energy of broken springs \[J\], likewise.
+    /// Energy that went with broken springs \[J\], likewise.
     pub fracture: [f64; LANES],
 }
 

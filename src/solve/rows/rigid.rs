@@ -235,7 +235,7 @@ fn rub(response: &[[f64; 3]; 3], slip: [f64; 2], before: [f64; 2], limit: f64) -
     let [x, y] = slip;
     let square = x * x + y * y;
     let given = response[1][1] * x * x + 2.0 * response[1][2] * x * y + response[2][2] * y * y;
-    if given <= 0.0 {
+    if given <= 0.0 || given.is_nan() {
         return before;
     }
     let mass = square / given;
