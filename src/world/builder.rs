@@ -26,7 +26,7 @@ enum SkinUse {
 
 type Region = Arc<dyn Fn(Vector) -> bool + Send + Sync>;
 
-/// Builds a [`Deformable`].
+/// Builds a [`Deformable`](super::Deformable).
 ///
 /// ```
 /// use crumple::prelude::*;
