@@ -37,7 +37,6 @@ impl DeformableBuilder {
         }
         solver.external.drag = self.drag;
         let mut body = Deformable {
-            moved_out: Vec::new(),
             slots: vec![u32::MAX; state.particles.len()],
             backup: state.clone(),
             topology: Arc::new(Topology::of(&blueprint)),

@@ -16,8 +16,9 @@ impl Dice {
     }
 }
 
-/// Two masses on a spring, a rope, a lattice and tets, none of them damped, each node thrown somewhere. Of substeps that are as
-/// long as is stable every change is a kick, and the kicks of 1,200 frames made energies of up to 1e13 times what there was.
+/// Two masses on a spring, a rope, a lattice and tets, none of them damped, each node thrown somewhere. Where substeps are as long
+/// as is stable every change is a kick: 3,600 frames like the uneven ones here left the pair with 6e38 times its energy, the rope with
+/// 8e7, the lattice with 200 times.
 #[test]
 fn uneven_frames_are_no_pump() {
     let pair = || {
