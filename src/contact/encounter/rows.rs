@@ -103,7 +103,7 @@ impl Encounter {
             let (distance, found) = query.find();
             apart.note(start, self.way, distance);
             let drafts = found.map(|f| f.map(|f| self.draft_node(own, node, &f, &query, &reach)));
-            for draft in drafts.into_iter().flatten() {
+            for draft in drafts.iter().flatten() {
                 self.push(draft, touches, bodies, rows, reach);
             }
         }
@@ -193,7 +193,7 @@ impl Encounter {
                     let distance = self.manners.distance;
                     let was = last.map_or(0.0, |t| (t.depth - distance).max(0.0));
                     if -found.gap <= was + reach.come(into) {
-                        self.push(draft, touches, bodies, rows, reach);
+                        self.push(&draft, touches, bodies, rows, reach);
                     }
                 }
             }
@@ -245,13 +245,13 @@ impl Encounter {
     /// carried over to the next substep, so that none is lost.
     fn push(
         &self,
-        draft: Draft,
+        draft: &Draft,
         touches: &mut Touches,
         bodies: &mut Bodies,
         rows: &mut Rows,
         reach: Reach,
     ) {
-        let Draft { touch, depth, .. } = draft;
+        let Draft { touch, depth, .. } = *draft;
         let closing = draft.velocity(bodies).length();
         if depth.is_nan() || depth < -reach.at(closing) {
             return;

@@ -41,6 +41,12 @@ fn remembered(pair: &Pair, around: &Surroundings) -> Vec<RigidContact> {
     contacts.collect()
 }
 
+/// Points of a pair that are nearer to each other than this share of the prediction distance, on surfaces that face the same
+/// way, are one: as Rapier merges those of composite shapes. Faces list their common corners twice, too.
+const ONE_POINT: f32 = 0.25;
+/// Cosine of the angle up to which surfaces face the same way; Rapier's.
+const SAME_WAY: f64 = 0.996;
+
 /// What Rapier is about to find. Of composite shapes it merges the parts' points by their normals before it solves
 /// them; as constraints they are the same.
 fn found_anew(pair: &Pair, around: &Surroundings, dt: f64) -> Vec<RigidContact> {
@@ -79,7 +85,7 @@ fn found_anew(pair: &Pair, around: &Surroundings, dt: f64) -> Vec<RigidContact> 
             // A corner that is farther but will be there within the step, as Rapier has it.
             let closing = (velocity_at(second, b) - velocity_at(first, a)).dot(normal);
             if gap.min(gap + closing * dt as f32) < near {
-                contacts.push(RigidContact {
+                let contact = RigidContact {
                     points: [
                         wide(a) + wide(normal) * f64::from(skins[0]),
                         wide(b) - wide(normal) * f64::from(skins[1]),
@@ -87,7 +93,8 @@ fn found_anew(pair: &Pair, around: &Surroundings, dt: f64) -> Vec<RigidContact> 
                     normal: wide(normal),
                     impulse: p.data.impulse.into(),
                     ..contact(pair)
-                });
+                };
+                add(contact, f64::from(ONE_POINT * near), &mut contacts);
             }
         }
     }
@@ -95,6 +102,24 @@ fn found_anew(pair: &Pair, around: &Surroundings, dt: f64) -> Vec<RigidContact> 
         recall_impulses(pair, near + skins[0], &mut contacts);
     }
     contacts
+}
+
+/// Adds a point, or puts it in the place of one nearer than `reach` m that is the same and not as deep.
+fn add(contact: RigidContact, reach: f64, contacts: &mut Vec<RigidContact>) {
+    let gap = |c: &RigidContact| (c.points[1] - c.points[0]).dot(c.normal);
+    let same = contacts.iter_mut().find(|c| {
+        c.points[0].distance_squared(contact.points[0]) < reach * reach
+            && c.normal.dot(contact.normal) > SAME_WAY
+    });
+    let Some(same) = same else {
+        contacts.push(contact);
+        return;
+    };
+    let impulse = same.impulse + contact.impulse;
+    if gap(&contact) < gap(same) {
+        *same = contact;
+    }
+    same.impulse = impulse;
 }
 
 fn velocity_at(side: &Side, point: Vector) -> Vector {

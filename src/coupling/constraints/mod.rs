@@ -8,6 +8,8 @@
 mod contacts;
 mod joints;
 mod pairs;
+#[cfg(test)]
+mod tests;
 
 use super::observe::{self, Answer, Surroundings};
 use crate::math::DVec3;

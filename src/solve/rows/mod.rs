@@ -32,7 +32,7 @@ use composite::Composites;
 pub use contact::Row;
 pub use joint::{Joint, JointRow};
 pub use rigid::RigidRow;
-use rigid::start_rigid;
+use rigid::{Answers, start_rigid};
 use settled::Settled;
 pub use settled::{Give, Negligible};
 use squeeze::{Held, Squeeze};
@@ -118,6 +118,7 @@ pub struct Rows {
     composites: Composites,
     clusters: Clusters,
     worklist: Worklist,
+    answers: Answers,
 }
 
 impl Rows {
@@ -286,7 +287,7 @@ pub fn solve_between_shadows(
     shadows: &mut [Shadow],
     (h, passes, tolerance): (f64, usize, f64),
 ) {
-    start_rigid(contacts, shadows, h);
+    start_rigid(contacts, shadows, h, &mut Answers::default());
     for row in &mut *joints {
         row.start(shadows, h);
     }

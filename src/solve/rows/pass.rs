@@ -4,7 +4,7 @@ use super::climb::Attempt;
 use super::composite::Composites;
 use super::contact::{LEVER, Response};
 use super::points::{self, Points};
-use super::rigid::start_rigid;
+use super::rigid::{Answers, start_rigid};
 use super::settled::{Give, Settled};
 use super::squeeze::{Held, Squeeze};
 use super::worklist::Worklist;
@@ -57,6 +57,7 @@ impl Rows {
             attempt: &mut self.attempt,
             composites: &mut self.composites,
             worklist: &mut self.worklist,
+            answers: &mut self.answers,
             squeezed,
             h,
             rests: false,
@@ -123,6 +124,7 @@ pub(super) struct Pass<'a> {
     pub attempt: &'a mut Attempt,
     pub composites: &'a mut Composites,
     pub worklist: &'a mut Worklist,
+    answers: &'a mut Answers,
     /// Whether `squeeze` is of these rows.
     pub squeezed: bool,
     h: f64,
@@ -240,7 +242,7 @@ impl Pass<'_> {
     }
 
     fn start_shadows(&mut self) {
-        start_rigid(self.rigid, self.shadows, self.h);
+        start_rigid(self.rigid, self.shadows, self.h, self.answers);
         for row in &mut *self.joints {
             row.start(self.shadows, self.h);
         }

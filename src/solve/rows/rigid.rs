@@ -8,7 +8,7 @@ use super::climb::Climb;
 use super::pass::inverse;
 use super::settled::{Give, Settled};
 use crate::law::row::{allowed_velocity, normal_impulse};
-use crate::math::DVec3;
+use crate::math::{DMat3, DVec3};
 use crate::solve::shadow::Shadow;
 
 /// A contact point of two shadows.
@@ -41,16 +41,17 @@ pub struct RigidRow {
     pub made: Made,
 }
 
-/// How two shadows answer at a point, set for a substep. All is along the normal and two sides: a visit is three numbers in
+/// How two shadows answer at a point, set for as long as they answer in the same way. All is along the normal and two sides: a visit is three numbers in
 /// and three out, however the bodies' masses lie.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Made {
+    is_ready: bool,
     axes: [Axis; 3],
     /// Relative velocity along each by an impulse along each \[1/kg\].
     response: [[f64; 3]; 3],
     /// Effective mass along the normal \[kg\].
     mass: f64,
-    /// Smallest relative normal velocity that is allowed \[m/s\].
+    /// Smallest relative normal velocity that is allowed in the substep \[m/s\].
     allowed: f64,
     /// Velocity of the belt along the sides \[m/s\].
     belt: [f64; 2],
@@ -93,12 +94,63 @@ impl Axis {
     }
 }
 
+/// By which share answers of shadows may differ and count as the same: a body turns a little in every substep.
+const SAME: f64 = 1e-3;
+
+/// How shadows answered when rows were prepared: while they answer in the same way, these need no new preparation.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Answers {
+    known: Vec<[DMat3; 3]>,
+    same: Vec<bool>,
+}
+
+impl Answers {
+    fn note(&mut self, shadows: &[Shadow]) {
+        self.known
+            .resize(shadows.len(), [DMat3::from_diagonal(DVec3::NAN); 3]);
+        self.same.clear();
+        for (known, shadow) in self.known.iter_mut().zip(shadows) {
+            let now = [
+                shadow.inv_mass,
+                shadow.cross.unwrap_or(DMat3::ZERO),
+                shadow.inv_inertia,
+            ];
+            let is_same = |(known, now): (&DMat3, &DMat3)| {
+                square(&(*now - *known)) <= SAME * SAME * square(known)
+            };
+            let same = known.iter().zip(&now).all(is_same);
+            if !same {
+                *known = now;
+            }
+            self.same.push(same);
+        }
+    }
+
+    fn are_same(&self, shadows: [u32; 2]) -> bool {
+        shadows.iter().all(|i| self.same[*i as usize])
+    }
+}
+
+/// Of the elements, summed.
+fn square(m: &DMat3) -> f64 {
+    m.x_axis.length_squared() + m.y_axis.length_squared() + m.z_axis.length_squared()
+}
+
 /// Starts a substep of h s: shadows get what the rows gave them in the last one, or that share of it which leads farthest
 /// down.
-pub(super) fn start_rigid(rows: &mut [RigidRow], shadows: &mut [Shadow], h: f64) {
+pub(super) fn start_rigid(
+    rows: &mut [RigidRow],
+    shadows: &mut [Shadow],
+    h: f64,
+    answers: &mut Answers,
+) {
     let mut climb = Climb::default();
+    answers.note(shadows);
     for row in &mut *rows {
-        row.prepare(shadows, h);
+        if !(row.made.is_ready && answers.are_same(row.shadows)) {
+            row.prepare(shadows);
+        }
+        row.made.allowed = allowed_velocity(-row.gap, h, 0.0);
         climb.slope += row.slope(shadows);
     }
     for row in &*rows {
@@ -141,7 +193,7 @@ impl RigidRow {
         allowed_velocity(-self.gap, h, 0.0) - self.speed(shadows)
     }
 
-    fn prepare(&mut self, shadows: &[Shadow], h: f64) {
+    fn prepare(&mut self, shadows: &[Shadow]) {
         let sides = self.shadows.map(|i| &shadows[i as usize]);
         let side = self.normal.any_orthonormal_vector();
         let across = [side, self.normal.cross(side)];
@@ -158,10 +210,10 @@ impl RigidRow {
             }
         }
         made.mass = inverse(made.response[0][0]);
-        made.allowed = allowed_velocity(-self.gap, h, 0.0);
         made.belt = across.map(|side| self.belt.dot(side));
         made.give.shadows = square.sqrt();
         made.moves = sides.map(Shadow::gives_way);
+        made.is_ready = true;
     }
 
     /// One visit of a pass; whether it was not settled yet.

@@ -181,6 +181,45 @@ fn bodies_that_press_on_each_other_share_a_blow() {
     }
 }
 
+/// A body that is heavier now, or has got bodies on a joint, answers as it is and not as it was when its contact was prepared.
+#[test]
+fn contacts_of_bodies_see_how_these_answer_now() {
+    let body = |mass: f64| Shadow {
+        inv_mass: DMat3::from_diagonal(DVec3::splat(1.0 / mass)),
+        inv_inertia: DMat3::from_diagonal(DVec3::splat(10.0 / mass)),
+        v: DVec3::new(0.5, -1.0, 0.2),
+        ..Shadow::FIXED
+    };
+    let contact = RigidRow {
+        shadows: [0, 1],
+        arms: [DVec3::ZERO, DVec3::new(0.2, -0.5, 0.1)],
+        normal: DVec3::Y,
+        shares: [1.0, 1.0],
+        friction: 0.3,
+        ..RigidRow::default()
+    };
+    let solve = |rows: &mut Rows, body: Shadow| {
+        let mut shadows = [Shadow::FIXED, body];
+        rows.rigid[0].scale(0.0);
+        rows.solve(&mut shadows, 1e-3, 16, false);
+        (shadows[1].v, shadows[1].w)
+    };
+    let start = || Rows {
+        rigid: vec![contact],
+        ..Rows::default()
+    };
+    let mut rows = start();
+    let jointed = Shadow {
+        cross: Some(DMat3::from_diagonal(DVec3::splat(0.05))),
+        ..body(2.0)
+    };
+    for body in [body(2.0), body(2.01), body(8.0), jointed, body(2.0)] {
+        let (v, w) = solve(&mut rows, body);
+        let expected = solve(&mut start(), body);
+        assert_eq!((v, w), expected);
+    }
+}
+
 /// The friction of an arrival that was carried over is given even where the point is about to leave again.
 #[test]
 fn carried_friction_of_a_squeezed_row_is_not_lost() {

@@ -1,0 +1,70 @@
+//! Against Rapier itself.
+
+use super::*;
+use crate::math::Vector;
+use rapier3d::dynamics::RigidBodyBuilder;
+use rapier3d::geometry::{ColliderBuilder, SharedShape};
+use rapier3d::pipeline::PhysicsWorld;
+
+/// A crate on a crate of its size, their corners over each other, and one on a plate of many triangles: four points each, none
+/// of them twice, which bear all of Rapier's impulse.
+#[test]
+fn no_point_of_a_pair_is_listed_twice() {
+    let ground = SharedShape::cuboid(1.0, 0.1, 1.0);
+    let plate = {
+        let mut at = Vec::new();
+        let mut triangles = Vec::new();
+        for i in 0..5_u32 {
+            for k in 0..5_u32 {
+                at.push(
+                    Vector::new(i as f32 - 2.0, 0.1, k as f32 - 2.0) * Vector::new(0.2, 1.0, 0.2),
+                );
+                if i < 4 && k < 4 {
+                    let a = 5 * i + k;
+                    triangles.extend([[a, a + 1, a + 6], [a, a + 6, a + 5]]);
+                }
+            }
+        }
+        SharedShape::trimesh(at, triangles).expect("a mesh")
+    };
+    for (below, top) in [(ground, 0.1), (plate, 0.1)] {
+        let mut world = PhysicsWorld::default();
+        world.insert(RigidBodyBuilder::fixed(), ColliderBuilder::new(below));
+        let crates = [0.1, 0.3].map(|y| {
+            let body = RigidBodyBuilder::dynamic().translation(Vector::Y * (top + y));
+            world.insert(body, ColliderBuilder::cuboid(0.1, 0.1, 0.1)).0
+        });
+        for _ in 0..20 {
+            world.step();
+        }
+        let around = Surroundings {
+            gravity: world.gravity,
+            parameters: &world.integration_parameters,
+            bodies: &world.bodies,
+            colliders: &world.colliders,
+            broad_phase: &world.broad_phase,
+            narrow_phase: &world.narrow_phase,
+            joints: &world.impulse_joints,
+            multibodies: &world.multibody_joints,
+        };
+        let dt = f64::from(world.integration_parameters.dt);
+        let found = RigidConstraints::gather(crates, &around, dt);
+        let apart = f64::from(0.25 * world.integration_parameters.prediction_distance());
+        for (i, a) in found.contacts.iter().enumerate() {
+            for b in &found.contacts[..i] {
+                let far = a.points[0].distance(b.points[0]);
+                let alike = a.bodies == b.bodies && a.normal.dot(b.normal) > 0.99;
+                assert!(!alike || far > apart, "{a:?} and {b:?}");
+            }
+        }
+        let upper = |c: &&RigidContact| c.bodies == crates.map(Some);
+        let upper: Vec<_> = found.contacts.iter().filter(upper).collect();
+        assert_eq!(upper.len(), 4, "{upper:?}");
+        let weight = f64::from(world.bodies[crates[1]].mass() * 9.81) * dt;
+        let given: f64 = upper.iter().map(|c| c.impulse).sum();
+        assert!(
+            (given / weight - 1.0).abs() < 0.1,
+            "{given} of {weight} N·s"
+        );
+    }
+}
