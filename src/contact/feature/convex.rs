@@ -146,22 +146,13 @@ impl Making<'_, '_> {
         points: &mut Vec<DVec3>,
         met: &mut Vec<Met>,
     ) -> f64 {
-        let side = self.site.side;
-        let nodes = side.topology.faces[f as usize].nodes();
+        let topology = self.site.side.topology;
+        let nodes = topology.faces[f as usize].nodes();
         let patch = Patch::new(self.corners(nodes));
-        let (lo, hi) = bounds(patch.corners().iter().copied());
-        let points_apart = part.solid.points_apart(lo, hi);
-        // Between its edges a face meets nothing but points before it bulges.
-        let flat_for = bulge::flat_for(&part.solid, &patch, side.topology.spacing);
-        let apart = if flat_for < points_apart {
-            points_apart.min(part.solid.edges_apart(lo, hi).max(flat_for))
-        } else {
-            points_apart
-        };
-        let apart = apart.max(bound);
-        let beyond = apart > self.near || apart > self.reach(nodes, patch.corners());
+        let off = Off::of(part, &patch, topology.spacing);
+        let apart = off.apart.max(bound);
         let knows = self.touches.knows_last(p, f);
-        if beyond && !knows {
+        if !knows && (apart > self.near || apart > self.reach(nodes, patch.corners())) {
             return apart;
         }
         let (middle, radius) = patch.ball();
@@ -172,21 +163,18 @@ impl Making<'_, '_> {
         let Some(mut n) = patch.normal() else {
             return apart;
         };
-        let ridge = |normal| {
-            let bulges = flat_for <= 0.0;
-            bulges.then(|| Ridge::of(&patch, normal, side.topology.spacing))?
-        };
-        if points_apart > self.near && !knows && ridge(n).is_none() {
+        let bulges = off.flat_for <= 0.0;
+        let ridge = |n| bulges.then(|| Ridge::of(&patch, n, topology.spacing))?;
+        if off.points > self.near && !knows && ridge(n).is_none() {
             return apart;
         }
         let known = self.side(part, p, (nodes, &patch, n));
         if known.unwrap_or_else(|| (part.centre - middle).dot(n)) < 0.0 {
-            if side.topology.closed {
+            if topology.closed {
                 return apart;
             }
             n = -n;
         }
-        let before = met.len();
         points.clear();
         part.solid.feature_points(n, points);
         let facing = Facing {
@@ -195,17 +183,13 @@ impl Making<'_, '_> {
             patch: &patch,
             around: (middle, radius + self.near.max(self.deepest_point())),
             normal: n,
-            told: known.is_some() || side.topology.closed,
+            told: known.is_some() || topology.closed,
             cone: points,
         };
+        let before = met.len();
         let all = (0..).zip(points.iter().copied());
         met.extend(all.filter_map(|point| self.meet_point(&facing, point)));
-        let corners = patch.corners();
-        let height = |point: &DVec3| {
-            let over = corners.iter().map(|c| (*point - *c).dot(n));
-            over.fold(f64::INFINITY, f64::min)
-        };
-        let lowest = points.iter().map(height).fold(f64::INFINITY, f64::min);
+        let lowest = patch.lowest(points, n);
         if lowest < self.near
             && let Some(ridge) = ridge(n)
         {
@@ -221,16 +205,12 @@ impl Making<'_, '_> {
             // The other points of a rim are as high over all corners.
             return apart.max(lowest);
         }
-        let nearest = apart.max(flat_for.max(away));
-        if nearest <= apart {
+        // Lines may be nearer than their ends to a face that bulges, but no nearer than all that is.
+        let most = off.flat_for.max(away);
+        if most <= apart {
             return apart;
         }
-        // Grown points turn with the face, those they have grown from do not.
-        let grown = n * part.solid.edge_radius();
-        let far = points.iter().map(|&point| patch.apart(point + grown));
-        let far = far.fold(f64::INFINITY, f64::min) - part.solid.edge_radius();
-        // Lines may be nearer than their ends to a face that bulges, but no nearer than all that is.
-        apart.max(far.min(nearest))
+        apart.max(facing.off_points().min(most))
     }
 
     /// A point of the part, by its number and place, if it meets a face.
@@ -291,6 +271,35 @@ impl Making<'_, '_> {
     }
 }
 
+/// How far a face is from a part, or less, by their boxes \[m\].
+struct Off {
+    /// From its points.
+    points: f64,
+    /// From where it bulges, see [`bulge::flat_for`].
+    flat_for: f64,
+    /// From anything that it may meet.
+    apart: f64,
+}
+
+impl Off {
+    fn of(part: &Convex, patch: &Patch, spacing: f64) -> Self {
+        let (lo, hi) = bounds(patch.corners().iter().copied());
+        let points = part.solid.points_apart(lo, hi);
+        // Between its edges a face meets nothing but points before it bulges.
+        let flat_for = bulge::flat_for(&part.solid, patch, spacing);
+        let apart = if flat_for < points {
+            points.min(part.solid.edges_apart(lo, hi).max(flat_for))
+        } else {
+            points
+        };
+        Self {
+            points,
+            flat_for,
+            apart,
+        }
+    }
+}
+
 /// A face that the part may meet.
 struct Facing<'a> {
     part: &'a Convex,
@@ -305,6 +314,16 @@ struct Facing<'a> {
     told: bool,
     /// The points of the part.
     cone: &'a [DVec3],
+}
+
+impl Facing<'_> {
+    /// How far the face is from the points of the part, or less \[m\].
+    fn off_points(&self) -> f64 {
+        // Grown points turn with the face, those they have grown from do not.
+        let radius = self.part.solid.edge_radius();
+        let far = |&point: &DVec3| self.patch.apart(point + self.normal * radius);
+        self.cone.iter().map(far).fold(f64::INFINITY, f64::min) - radius
+    }
 }
 
 /// The box around some points.

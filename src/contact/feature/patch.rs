@@ -58,6 +58,15 @@ impl Patch {
         n.try_normalize()
     }
 
+    /// How high the lowest of some points is over its highest corner along `n` \[m\].
+    pub fn lowest(&self, points: &[DVec3], n: DVec3) -> f64 {
+        let height = |point: &DVec3| {
+            let over = self.corners().iter().map(|c| (*point - *c).dot(n));
+            over.fold(f64::INFINITY, f64::min)
+        };
+        points.iter().map(height).fold(f64::INFINITY, f64::min)
+    }
+
     /// By how much the normals at its corners differ, about \[rad\]; 0 for a triangle.
     pub fn twist(&self) -> f64 {
         let [a, b, c, d] = self.corners;
