@@ -109,6 +109,12 @@ impl Solid {
         self.check()?;
         Ok(Lame::new(self.young, self.poisson))
     }
+
+    /// The speed of waves of compression at rest, √((λ + 2μ)/ρ) \[m/s\].
+    pub fn sound_speed(&self) -> f64 {
+        let Lame { lambda, mu } = Lame::<f64>::new(self.young, self.poisson);
+        ((lambda + 2.0 * mu) / self.density).sqrt()
+    }
 }
 
 /// Tetrahedra made of a solid.

@@ -9,6 +9,7 @@ pub mod encounter;
 pub mod feature;
 pub mod form;
 pub mod nodes;
+pub mod roll;
 pub mod site;
 pub mod solid_nodes;
 pub mod soup;

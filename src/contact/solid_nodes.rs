@@ -2,6 +2,7 @@
 
 use super::distance::Solid;
 use super::nodes::add;
+use super::roll::Roll;
 use super::site::{Reach, Site};
 use super::target::{Frame, Target};
 use super::touches::{Hold, Touch, Touches, along};
@@ -40,6 +41,7 @@ impl SolidNodes {
         let Self { nodes, touches } = self;
         touches.begin();
         let count = site.side.state.particles.len();
+        let roll = Roll::of(solid, frame, site.shadow);
         let reach = target.skin + site.reach.farthest;
         nodes.visit(count, way, (reach, site.reach.farthest), |i, _| {
             let place = frame.to_local(site.side.state, i);
@@ -49,6 +51,7 @@ impl SolidNodes {
                 target,
                 pair,
                 frame,
+                roll,
                 touches,
                 site,
             };
@@ -81,6 +84,7 @@ struct Making<'a, 's> {
     target: &'a Target,
     pair: u32,
     frame: &'a Frame,
+    roll: Roll,
     touches: &'a mut Touches,
     site: &'a mut Site<'s>,
 }
@@ -92,6 +96,7 @@ impl Making<'_, '_> {
             solid,
             target,
             frame,
+            roll,
             ref mut site,
             ..
         } = *self;
@@ -131,10 +136,12 @@ impl Making<'_, '_> {
             .found(key, site.rows.contacts.len(), normal, hold);
         let (normal_impulse, friction_impulse) =
             last.map_or(Default::default(), |touch| touch.impulse);
+        let outward = frame.axes * normal;
         let row = Row {
-            normal: frame.axes * normal,
+            normal: outward,
             depth,
             arm,
+            turn: roll.under_node(outward, arm),
             normal_impulse,
             friction_impulse,
             drift: frame.axes * along(place - hold.anchor, normal),

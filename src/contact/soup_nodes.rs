@@ -5,6 +5,7 @@
 
 use super::feature::{BORDER, Features};
 use super::nodes::add;
+use super::roll::Roll;
 use super::site::Site;
 use super::soup::{self, Exit, Margins, NodeFacets, Overhang, Soup};
 use super::target::{Frame, Target};
@@ -150,6 +151,7 @@ impl SoupNodes {
         let mut overhangs = self.overhangs.as_slice();
         let mut found = soup::Touches::default();
         let nodes = self.facets.nodes().iter();
+        let roll = Roll::of_any(site.shadow);
         for (index, (&i, side)) in nodes.zip(&mut self.sides).enumerate() {
             let place = frame.to_local(site.side.state, i);
             let arm = frame.axes * place + (frame.position - site.shadow.com);
@@ -174,10 +176,12 @@ impl SoupNodes {
             );
             *side = found.anchor.map(|anchor| anchor + back);
             for (k, touch) in (0..).zip(found.as_slice()) {
+                let normal = frame.axes * touch.normal;
                 let mut row = Row {
-                    normal: frame.axes * touch.normal,
+                    normal,
                     depth: touch.depth,
                     arm,
+                    turn: roll.under_node(normal, arm),
                     ..target.row(Default::default(), pair, site.reach.h)
                 };
                 // One anchor of friction holds the node, whatever else it touches.
@@ -200,10 +204,13 @@ impl SoupNodes {
         }
         for &(i, exit) in &self.deep {
             let place = frame.to_local(site.side.state, i);
+            let normal = frame.axes * exit.normal;
+            let arm = frame.axes * place + (frame.position - site.shadow.com);
             let row = Row {
-                normal: frame.axes * exit.normal,
+                normal,
                 depth: target.skin + (exit.point - place).dot(exit.normal),
-                arm: frame.axes * place + (frame.position - site.shadow.com),
+                arm,
+                turn: roll.under_node(normal, arm),
                 ..target.row(Default::default(), pair, site.reach.h)
             };
             add(i, target, row, site);

@@ -2,7 +2,7 @@
 
 use super::form::{Form, Forms};
 use crate::body::state::State;
-use crate::law::row::{Lift, softness};
+use crate::law::row::{Lift, Turn, softness};
 use crate::math::{DMat3, DQuat, DVec3, Real, Rotation};
 use crate::solve::rows::{Row, Terms};
 use crate::solve::shadow::Shadow;
@@ -152,6 +152,7 @@ impl Target {
             normal: DVec3::ZERO,
             depth: 0.0,
             arm: DVec3::ZERO,
+            turn: Turn::default(),
             rigid_share: self.rigid_share,
             friction: self.friction,
             softness: self.stiffness.map_or(0.0, |k| softness(k, 0.0, h)),

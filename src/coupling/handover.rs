@@ -8,12 +8,17 @@
 //! when in the step the impulse came, lets a jointed pair leave a hard impact 3 % too slow.) Where the shadow can't foresee
 //! the answer, it is the mean force, and the answer is measured.
 
+use super::flight::{Flight, rotation_vector};
 use super::linkage::Mobility;
 use super::memory::BodyMemory;
 use super::observe::{Answer, displacement_share, inv_inertia};
-use crate::math::{DQuat, DVec3, Vector, narrow, wide};
+use crate::contact::target::wide_rotation;
+use crate::math::{DQuat, DVec3, Pose, Real, Rotation, Vector, narrow, wide};
 use crate::solve::shadow::Shadow;
 use rapier3d::dynamics::{IntegrationParameters, RigidBody};
+
+/// An orientation that differs from its shadow's by more than this is not what Rapier makes by the right spin \[rad\].
+const OFF: f64 = 1e-3;
 
 /// An impulse \[N·s\] and an angular impulse about the centre of mass \[N·m·s\].
 pub type Wrench = (DVec3, DVec3);
@@ -31,8 +36,10 @@ pub struct Split {
 #[derive(Clone, Copy, Debug)]
 pub struct Pending {
     answer: Answer,
-    /// Given before the step.
-    given: Wrench,
+    /// Impulse of a free body given before the step \[N·s\].
+    given: DVec3,
+    /// Orientation and spin that it is expected to have after the step, if it got another spin for that \[rad/s\].
+    turned: Option<(DQuat, DVec3)>,
     /// To be given after it.
     late: Wrench,
     /// The user's own force and torque, to be restored exactly.
@@ -52,7 +59,8 @@ impl Pending {
     pub fn nothing() -> Self {
         Self {
             answer: Answer::None,
-            given: Default::default(),
+            given: DVec3::ZERO,
+            turned: None,
             late: Default::default(),
             user: (Vector::ZERO, Vector::ZERO),
             before: Default::default(),
@@ -85,15 +93,14 @@ pub fn before_step(
             let inv_mass = wide(body.mass_properties().effective_inv_mass);
             let drift = end.com - start.com - start.v * dt - acceleration * (share * dt * dt);
             let impulse = per_axis(drift / dt, inv_mass);
-            let inertia = inv_inertia(body).inverse();
-            let torque = if inertia.is_finite() {
-                let free = free_turn(start, spin_up, share, dt);
-                inertia * ((end.rot * free.inverse()).to_scaled_axis() / dt)
-            } else {
-                DVec3::ZERO
-            };
-            give(body, (impulse, torque));
-            pending.given = (impulse, torque);
+            give(body, (impulse, DVec3::ZERO));
+            pending.given = impulse;
+            if inv_inertia(body).inverse().is_finite() {
+                let flight = Flight::new(body, spin_up, parameters, dt);
+                let spin = flight.spin_to(end.rot, start.w);
+                body.set_angvel(narrow(spin), false);
+                pending.turned = Some(flight.end(wide(body.angvel())));
+            }
         }
         Answer::Constrained | Answer::Jointed | Answer::Link => {
             pending.free = mobility.answer(end.impulse, end.torque, dt);
@@ -106,6 +113,23 @@ pub fn before_step(
         }
     }
     pending
+}
+
+/// Gives a body that was expected to end with an orientation and spin those of its shadow. A torque would depend on how well
+/// Rapier met the orientation, the more the thinner the body: it turns nothing by more than an eighth of a turn, and what is
+/// slender and spins about its axis not as a free body turns. Where Rapier found something in the way, it knows better.
+fn turn_to(body: &mut RigidBody, end: &Shadow, (expected, spin): (DQuat, DVec3)) {
+    let rot = wide_rotation(*body.rotation());
+    let apart = |other: DQuat| rotation_vector(other * rot.inverse()).length();
+    let off = apart(end.rot);
+    if off > OFF && apart(expected) < 0.1 * off {
+        let (com, local) = (body.center_of_mass(), body.local_center_of_mass());
+        let rotation = Rotation::from_array(end.rot.to_array().map(|x| x as Real));
+        let at = com - rotation * local;
+        body.set_position(Pose::from_parts(at, rotation), false);
+    }
+    let spin = wide(body.angvel()) + end.w - spin;
+    body.set_angvel(narrow(spin), false);
 }
 
 fn give(body: &mut RigidBody, (impulse, torque): Wrench) {
@@ -123,24 +147,6 @@ fn per_axis(velocity: DVec3, inv_mass: DVec3) -> DVec3 {
     )
 }
 
-/// Orientation after a step without impulses: Rapier's own substeps, with conserved angular momentum.
-fn free_turn(start: &Shadow, spin_up: DVec3, share: f64, dt: f64) -> DQuat {
-    // share = (n + 1)/(2n)
-    let n = (1.0 / (2.0 * share - 1.0)).round().max(1.0);
-    let h = dt / n;
-    let mut free = Shadow {
-        spin_up,
-        damping: (0.0, 0.0),
-        acceleration: DVec3::ZERO,
-        ..*start
-    };
-    for _ in 0..n as usize {
-        free.accelerate(h);
-        free.advance(h);
-    }
-    free.rot
-}
-
 /// Gives `body` the rest after Rapier's step, and learns from what it did. Returns the coupling defect \[J\]: what the
 /// shadow's work differs from that done on the body.
 pub fn after_step(
@@ -155,9 +161,14 @@ pub fn after_step(
         // Rapier has put it to sleep in this step and its velocity to zero: it stays that way.
         Answer::Free if body.is_sleeping() => return 0.0,
         Answer::Free => {
-            let (impulse, torque) = pending.given;
             v -= end.ahead;
-            give(body, (end.impulse - impulse, end.torque - torque));
+            let impulse = end.impulse - pending.given;
+            if let Some(turned) = pending.turned {
+                give(body, (impulse, DVec3::ZERO));
+                turn_to(body, end, turned);
+            } else {
+                give(body, (impulse, end.torque));
+            }
         }
         Answer::Constrained | Answer::Jointed | Answer::Link => {
             body.reset_forces(false);

@@ -8,6 +8,7 @@
 
 pub mod attach;
 pub mod constraints;
+pub mod flight;
 pub mod handover;
 pub mod linkage;
 pub mod memory;

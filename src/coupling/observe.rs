@@ -51,8 +51,13 @@ pub enum Answer {
 /// The share of an acceleration held over a Rapier step of n solver iterations that shows as displacement:
 /// s = (n + 1)/(2n), because Rapier integrates symplectically in n small steps.
 pub fn displacement_share(body: &RigidBody, parameters: &IntegrationParameters) -> f64 {
-    let n = (parameters.num_solver_iterations + body.additional_solver_iterations()).max(1) as f64;
+    let n = substeps(body, parameters) as f64;
     (n + 1.0) / (2.0 * n)
+}
+
+/// How many substeps Rapier takes a body through in a step.
+pub fn substeps(body: &RigidBody, parameters: &IntegrationParameters) -> usize {
+    (parameters.num_solver_iterations + body.additional_solver_iterations()).max(1)
 }
 
 /// Acceleration and angular acceleration of a body by gravity and the user's forces.
@@ -124,6 +129,11 @@ pub fn shadow(
         let inertia = inv_inertia(body).inverse();
         if inertia.is_finite() {
             shadow.inertia = inertia;
+            let props = &body.mass_properties().local_mprops;
+            shadow.principal = (
+                wide_rotation(props.principal_inertia_local_frame),
+                wide(props.principal_inertia()),
+            );
         }
     }
     shadow

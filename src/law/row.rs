@@ -105,16 +105,27 @@ impl Lift {
     }
 }
 
-/// How much faster a surface that turns at `w` \[rad/s\] comes towards a point, `arm` m from its centre of mass and moving
-/// at `relative` m/s along it, than the point's velocity tells, in the mean over a substep of h \[s\]: Coriolis' and the
-/// centripetal acceleration, h·n·(ω×v + ½ω×(ω×r)). Without it a point that slides along a fan's blade sinks in by ωvh².
-///
-/// It is no more than the speed at which the point comes: one that goes on sliding comes just as fast, for the surface has
-/// turned since, and what left faster than it came would have got energy from nowhere.
-#[inline(always)]
-pub fn turning(w: DVec3, relative: DVec3, arm: DVec3, normal: DVec3, h: f64) -> f64 {
-    let faster = h * normal.dot(w.cross(relative + 0.5 * w.cross(arm)));
-    faster.min((-relative.dot(normal)).max(0.0))
+/// How a surface that turns at ω \[rad/s\] comes towards a point on it, `arm` m from its centre of mass.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Turn {
+    /// ω, as far as it deflects what slides along the surface \[rad/s\].
+    pub swing: DVec3,
+    /// ½n·ω×(ω×r): half the acceleration of the surface's point along its normal \[m/s²\].
+    pub bend: f64,
+}
+
+impl Turn {
+    /// How much faster the surface comes than the velocity of a point tells that moves at `relative` m/s along it, in the mean
+    /// over a substep of h \[s\]: Coriolis' and the centripetal acceleration, h·n·(ω×v + ½ω×(ω×r)). Without it a point that
+    /// slides along a fan's blade sinks in by ωvh².
+    ///
+    /// It is no more than the speed at which the point comes: one that goes on sliding comes just as fast, for the surface has
+    /// turned since, and what left faster than it came would have got energy from nowhere.
+    #[inline(always)]
+    pub fn faster(&self, relative: DVec3, normal: DVec3, h: f64) -> f64 {
+        let faster = h * (normal.dot(self.swing.cross(relative)) + self.bend);
+        faster.min((-relative.dot(normal)).max(0.0))
+    }
 }
 
 /// What the mean velocity over a substep of h \[s\] of a point that turns at `w` \[rad/s\] with an arm of `arm` m differs from
@@ -172,6 +183,13 @@ mod tests {
         }
     }
 
+    fn turn(w: DVec3, n: DVec3, arm: DVec3) -> Turn {
+        Turn {
+            swing: w,
+            bend: 0.5 * n.dot(w.cross(w.cross(arm))),
+        }
+    }
+
     /// A point that is given the velocity the law asks for ends a substep on the turning surface, to the third order in h.
     #[test]
     fn a_point_stays_on_a_turning_surface() {
@@ -180,7 +198,8 @@ mod tests {
         let along = DVec3::new(40.0, 8.0, -6.0);
         assert!(along.dot(n).abs() < 1e-12);
         let height = |h: f64| {
-            let v = w.cross(arm) + along + n * turning(w, along - n, arm, n, h);
+            let faster = turn(w, n, arm).faster(along - n, n, h);
+            let v = w.cross(arm) + along + n * faster;
             let turned = crate::math::DQuat::from_scaled_axis(w * h);
             (arm + v * h - turned * arm).dot(turned * n)
         };
@@ -211,7 +230,7 @@ mod tests {
         );
         let along = DVec3::new(20.0, 0.0, 0.0);
         for came in [-3.0, 0.0, 0.2, 5.0, 1e3] {
-            let faster = turning(w, along - n * came, arm, n, 1e-3);
+            let faster = turn(w, n, arm).faster(along - n * came, n, 1e-3);
             assert_eq!(faster, came.clamp(0.0, 10.0), "{came}");
         }
     }

@@ -71,10 +71,12 @@ impl Advance {
             // The stable substep changes as bodies crumple, so a long rigid step is looked at anew now and then, unless
             // what is left is a matter of a few substeps.
             let turns = (left / group.longest_turn(self.dt)).ceil() as usize;
-            let needed = group_substeps(group, report, left, self.frame).max(turns);
+            let (needed, stale) = group_substeps(group, report, left, self.frame);
+            let needed = needed.max(turns);
             let reviews = (left / self.review_interval - 1e-6).ceil() as usize;
             let n = needed.div_ceil(reviews.min(needed / 8).max(1));
             let h = left / needed as f64;
+            let n = n.min((stale / h) as usize).max(1);
             match last {
                 None => group.synchronise(h),
                 Some(last) => group.rows.change_substep(h / last),
@@ -126,6 +128,23 @@ impl Group {
         (TURN / spins.fold(0.0, f64::max)).max(dt / MOST)
     }
 
+    /// How fast a member and what is in its reach may close \[m/s\]; with nothing there, how fast its nodes close.
+    fn closing(&self, member: usize) -> f64 {
+        let speed = |m: usize| self.members[m].1.fastest();
+        let rigid = self.candidates[member].iter().map(|c| {
+            let shadow = &self.shadows[c.target.shadow as usize];
+            c.target.speed(shadow)
+        });
+        let soft = self.encounters.iter().filter_map(|e| {
+            let [a, b] = e.members.map(|m| m as usize);
+            let other = [(a, b), (b, a)].into_iter().find(|pair| pair.0 == member);
+            other.map(|(_, other)| speed(other))
+        });
+        let others = rigid.chain(soft).reduce(f64::max);
+        let alone = || self.members[member].1.stir();
+        others.map_or_else(alone, |other| speed(member) + other)
+    }
+
     /// How many springs take as long as a substep of it.
     fn springs(&self) -> usize {
         let of = |body: &Deformable| {
@@ -135,16 +154,19 @@ impl Group {
     }
 }
 
-fn group_substeps(group: &mut Group, report: &mut StepReport, dt: f64, frame: f64) -> usize {
-    let mut most = meet::substeps(group, dt).max(1);
-    for (handle, body) in &mut group.members {
-        let (n, unstable) = body.review(dt, frame);
-        most = most.max(n);
+/// How many substeps of `dt` s a group needs, in a `frame` of the world, and after what time that is to be asked again \[s\].
+fn group_substeps(group: &mut Group, report: &mut StepReport, dt: f64, frame: f64) -> (usize, f64) {
+    let (mut most, mut stale) = (meet::substeps(group, dt).max(1), f64::INFINITY);
+    for m in 0..group.members.len() {
+        let closing = group.closing(m);
+        let (handle, body) = &mut group.members[m];
+        let (n, unstable, stale_after) = body.review(dt, frame, closing);
+        (most, stale) = (most.max(n), stale.min(stale_after));
         if unstable {
             note(&mut report.unstable, *handle);
         }
     }
-    most
+    (most, stale)
 }
 
 /// Reports the frozen bodies of a group and puts the others back to the start of the rigid step: what they got from a

@@ -3,9 +3,15 @@
 use super::Deformable;
 use super::params::Substeps;
 use super::steady::{SHAPE, SHAPE_OF_TETS, Steadiness, is_lively, steady_count};
-use crate::body::BuildError;
+use crate::body::{BuildError, Solid};
 use crate::math::Real;
 use crate::solve::stable::StableStep;
+
+/// What share of the stable substep is short enough for tets that are met at the speed of sound: it crushes the smallest by about
+/// a twelfth. With a quarter nothing becomes non-finite either, but the energies of thin plates are off by a third.
+const CRUSH: f64 = 0.15;
+/// After how long their stable substep is another one, in such substeps.
+const STALE: f64 = 0.5;
 
 impl Deformable {
     /// The longest stable substep of its scheme now, and the spring or tet that sets it.
@@ -90,7 +96,7 @@ impl Deformable {
     pub(super) fn substeps_for(&self, dt: f64, frame: f64) -> (usize, bool) {
         let integrator = self.integrator();
         let stable = self.solver.longest_stable_step(&self.state, integrator);
-        self.substeps_of(&stable, dt, frame)
+        self.substeps_of(&stable, dt, frame, f64::INFINITY)
     }
 
     /// How many of its last substeps a stretch of `dt` s holds; what it needs before there were any.
@@ -102,16 +108,37 @@ impl Deformable {
         }
     }
 
-    /// As [`Self::substeps_for`], and takes the opportunity to learn how the body swings, for a longer substep next time.
-    pub(super) fn review(&mut self, dt: f64, frame: f64) -> (usize, bool) {
+    /// As [`Self::substeps_for`] for a body that something meets at `closing` m/s, and takes the opportunity to learn how it swings,
+    /// for a longer substep next time. Says also after what time that is to be done again \[s\].
+    pub(super) fn review(&mut self, dt: f64, frame: f64, closing: f64) -> (usize, bool, f64) {
         let integrator = self.integrator();
         let stable = self.solver.review(&mut self.state, integrator);
+        let (n, unstable) = self.review_of(&stable, dt, frame, closing);
+        (n, unstable, stable.h * self.mach(closing).recip() * STALE)
+    }
+
+    /// How fast something meets it, in speeds of sound; 0 for what has no tets.
+    fn mach(&self, closing: f64) -> f64 {
+        let sound = self.solid().map_or(f64::INFINITY, Solid::sound_speed);
+        closing / sound
+    }
+
+    fn review_of(
+        &mut self,
+        stable: &StableStep,
+        dt: f64,
+        frame: f64,
+        closing: f64,
+    ) -> (usize, bool) {
+        let integrator = self.integrator();
+        // Of what a substep crushes its stable length knows nothing.
+        let most = CRUSH / self.mach(closing);
         let Substeps::Auto { safety, min_h } = self.substeps() else {
             self.steady = Steadiness::default();
-            return self.substeps_of(&stable, dt, frame);
+            return self.substeps_of(stable, dt, frame, most);
         };
         let mut steady = self.steady;
-        let decay = || self.decay(&stable, dt);
+        let decay = || self.decay(stable, dt);
         let shape = if self.solver.part.is_some() {
             SHAPE_OF_TETS
         } else {
@@ -119,8 +146,8 @@ impl Deformable {
         };
         steady.note((self.h, frame), shape, integrator, decay);
         self.steady = steady;
-        let needed = self.substeps_of(&stable, dt, frame);
-        let longest = |share: f64| (stable.h * share).max(min_h);
+        let needed = self.substeps_of(stable, dt, frame, most);
+        let longest = |share: f64| (stable.h * share.min(most)).max(min_h);
         let shorter = longest(safety) / longest(steady.share(safety));
         self.steady.ask(dt / needed.0 as f64, shorter);
         needed
@@ -132,7 +159,8 @@ impl Deformable {
         dt.min(self.defaults.review_interval) * self.solver.least_decay(&self.state, 2.0 / stable.h)
     }
 
-    fn substeps_of(&self, stable: &StableStep, dt: f64, frame: f64) -> (usize, bool) {
+    /// How many substeps of `most` times the stable length or less.
+    fn substeps_of(&self, stable: &StableStep, dt: f64, frame: f64, most: f64) -> (usize, bool) {
         let count = |h: f64| ((dt / h).ceil() as usize).max(1);
         let share = |n: usize| ((n as f64 * dt / frame).round() as usize).max(1);
         let never = stable.never || stable.h <= 0.0;
@@ -145,7 +173,7 @@ impl Deformable {
                 (count(1e-4), true)
             }
             Substeps::Auto { safety, min_h } => {
-                let longest = stable.h * self.steady.share(safety);
+                let longest = stable.h * self.steady.share(safety).min(most);
                 let mut n = count(longest.max(min_h).max(1e-9));
                 let steady = steady_count(n, dt / self.h);
                 if steady != n && is_lively(self.decay(stable, dt)) {

@@ -326,6 +326,18 @@ impl Deformable {
         }
     }
 
+    /// Largest speed of any node of tets against their mean \[m/s\]; 0 without tets.
+    pub(super) fn stir(&self) -> f64 {
+        if self.solver.part.is_none() {
+            return 0.0;
+        }
+        let count = self.node_count() as u32;
+        let velocities = || (0..count).map(|i| self.state.velocity(i as usize));
+        let mean = velocities().sum::<DVec3>() / f64::from(count);
+        let squares = velocities().map(|v| (v - mean).length_squared());
+        squares.fold(0.0, f64::max).sqrt()
+    }
+
     /// Largest speed of any node \[m/s\].
     pub(super) fn max_speed(&self) -> f64 {
         f64::from(self.max_speed_squared()).sqrt()

@@ -63,6 +63,22 @@ enum Core {
     Voxels(Arc<Grid>),
 }
 
+/// The turns that map a solid onto itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Symmetry {
+    /// None, or a few.
+    None,
+    /// All about an axis.
+    Axis {
+        /// A point of it \[m\].
+        centre: DVec3,
+        /// Its unit direction.
+        along: DVec3,
+    },
+    /// All about a point \[m\].
+    Point(DVec3),
+}
+
 impl Solid {
     /// The solid of a parry shape; `None` for surfaces, curves and custom shapes, for a compound with such a part, and for
     /// hulls and voxels that are not finite. Hulls, compounds and voxels are worked out here, so keep what you get.
@@ -234,6 +250,29 @@ impl Solid {
     /// Radius of its roundest edges \[m\]: what the core was grown by, 0 for sharp ones.
     pub fn edge_radius(&self) -> f64 {
         self.radius
+    }
+
+    /// The turns that map it onto itself.
+    pub fn symmetry(&self) -> Symmetry {
+        match &self.core {
+            Core::Point => Symmetry::Point(DVec3::ZERO),
+            Core::Segment(a, b) => match (*b - *a).try_normalize() {
+                Some(along) => Symmetry::Axis {
+                    centre: 0.5 * (*a + *b),
+                    along,
+                },
+                None => Symmetry::Point(*a),
+            },
+            Core::Cylinder(..) | Core::Cone(..) => Symmetry::Axis {
+                centre: DVec3::ZERO,
+                along: DVec3::Y,
+            },
+            Core::Cuboid(_)
+            | Core::HalfSpace(_)
+            | Core::Hull(_)
+            | Core::Compound(_)
+            | Core::Voxels(_) => Symmetry::None,
+        }
     }
 
     /// Itself, or the parts of a compound with their positions \[m\] and rotations in its frame. Voxels have none: their

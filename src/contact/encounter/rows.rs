@@ -9,7 +9,7 @@ use super::posed::Posed;
 use super::touch::{Touch, Touches};
 use crate::contact::closest::between_segments;
 use crate::contact::site::{Carrier, Reach};
-use crate::law::row::{Lift, softness};
+use crate::law::row::{Lift, Turn, softness};
 use crate::math::DVec3;
 use crate::solve::rows::{Row, Rows};
 
@@ -281,6 +281,7 @@ impl Encounter {
             normal,
             depth,
             arm: DVec3::ZERO,
+            turn: Turn::default(),
             rigid_share: 0.0,
             friction: if here { self.manners.friction } else { 0.0 },
             softness: stiffness.map_or(0.0, |k| softness(k, 0.0, reach.h)),

@@ -7,6 +7,7 @@ use super::part::{Convex, Part};
 use super::patch::Patch;
 use crate::contact::cone::can_push;
 use crate::contact::distance::Solid;
+use crate::contact::roll::Roll;
 use crate::contact::site::Site;
 use crate::contact::target::{Frame, Target};
 use crate::contact::touches::{Key, Touches};
@@ -80,11 +81,14 @@ impl ConvexFeatures {
             .filter(|(_, part)| part.is_awake())
         {
             let convex = &part.convex;
+            let frame = convex.frame(collider);
             let mut making = Making {
                 target,
                 pair,
-                frame: convex.frame(collider),
+                frame,
                 skin: target.skin,
+                roll: Roll::of(&convex.solid, &frame, site.shadow),
+                radius: convex.solid.edge_radius(),
                 site,
                 touches: &mut self.on_faces,
                 near,
@@ -116,11 +120,14 @@ impl ConvexFeatures {
             .filter(|(_, part)| part.is_awake())
         {
             let convex = &part.convex;
+            let frame = convex.frame(collider);
             let mut making = Making {
                 target,
                 pair,
-                frame: convex.frame(collider),
+                frame,
                 skin: target.skin,
+                roll: Roll::of(&convex.solid, &frame, site.shadow),
+                radius: convex.solid.edge_radius(),
                 site,
                 touches: &mut self.on_edges,
                 near,

@@ -2,6 +2,7 @@
 
 use super::meet::ALIKE;
 use super::patch::{Foot, Patch};
+use crate::contact::roll::Roll;
 use crate::contact::site::Site;
 use crate::contact::target::{Frame, Target};
 use crate::contact::touches::{Hold, Key, Touches, along};
@@ -61,6 +62,9 @@ pub(super) struct Making<'a, 's> {
     pub frame: Frame,
     /// Distance that is kept from it \[m\].
     pub skin: f64,
+    /// How it turns, and by how much it is grown \[m\].
+    pub roll: Roll,
+    pub radius: f64,
     pub site: &'a mut Site<'s>,
     pub touches: &'a mut Touches,
     /// How far anything can be from what is sharp and still matter \[m\].
@@ -284,12 +288,14 @@ impl Making<'_, '_> {
             side.carrier.add_terms(i, part, slots, rows);
         }
         let terms = rows.merge_terms_since(first, None);
+        let normal = self.frame.axes * point.normal;
         rows.contacts.push(Row {
-            normal: self.frame.axes * point.normal,
+            normal,
             depth: point.depth,
             normal_impulse,
             friction_impulse,
             arm,
+            turn: self.roll.under_face(normal, arm - normal * self.radius),
             drift: self.frame.axes * along(drift, point.normal),
             ..self.target.row(terms, self.pair, reach.h)
         });

@@ -108,6 +108,22 @@ impl Making<'_, '_> {
         (apart, met())
     }
 
+    /// The side from which an edge, or one `beside` it, has slid on to where edges now cross at least `distance` m apart along
+    /// `normal`, if any has. It may be on the wrong side by then, if it was as deep as that before: round a sharp edge, what comes
+    /// after one that touches it looks the other way, and has not been through.
+    fn slid_on_from(
+        &self,
+        beside: impl Fn(Key) -> bool,
+        normal: DVec3,
+        distance: f64,
+    ) -> Option<DVec3> {
+        let before = |normal: DVec3| self.touches.deepest_along(normal, ALIKE, &beside);
+        if before(-normal).is_some_and(|before| before >= self.skin + distance) {
+            return Some(-normal);
+        }
+        before(normal).map(|_| normal)
+    }
+
     /// The normal that a point had when it last touched this face or one beside it that looks about the same way.
     pub(super) fn last_normal(&self, key: Key, normal: DVec3) -> Option<DVec3> {
         let faces = &self.site.side.topology.faces;
@@ -152,20 +168,23 @@ impl Making<'_, '_> {
                 id == edge.id && own.is_some_and(|own| share_node(own, &nodes))
             }
         };
-        // What slides on from one edge to the next may be on the wrong side by then: only the one beside it knows.
         let (side, last) = if self.site.side.topology.closed {
             (
                 flanks[0].cross(along(corners)) - flanks[1].cross(along(corners)),
                 None,
             )
         } else {
-            let last = self.touches.normal(key);
-            let last = last.or_else(|| self.touches.normal_along(across, beside));
-            let last = last.filter(|n| n.dot(across).abs() > ALIKE);
             // What has an inside tells its outside, but where it is folded flat.
             let outward = edge.normals[0] + edge.normals[1];
             let has_inside = self.target.form.has_inside() && outward != DVec3::ZERO;
             let side = if has_inside { outward } else { way };
+            let last = self.touches.normal(key);
+            let last = last.filter(|n| n.dot(across).abs() > ALIKE);
+            let last = last.or_else(|| {
+                let normal = across * 1.0_f64.copysign(across.dot(side));
+                let sunk = self.reach(&nodes, &corners) - self.skin;
+                self.slid_on_from(beside, normal, way.dot(normal) - sunk)
+            });
             (last.unwrap_or(side), last)
         };
         let normal = across * 1.0_f64.copysign(across.dot(side));

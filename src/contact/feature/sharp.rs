@@ -7,6 +7,7 @@
 use super::convex::bounds;
 use super::making::{Making, Met};
 use crate::contact::form::Form;
+use crate::contact::roll::Roll;
 use crate::contact::site::{Side, Site};
 use crate::contact::soup::{Edge, EdgeKind, EdgeSearch, Overhang, around};
 use crate::contact::target::{Frame, Target};
@@ -213,6 +214,8 @@ impl SharpFeatures {
             pair,
             frame: *collider,
             skin,
+            roll: Roll::of_any(site.shadow),
+            radius,
             site,
             touches: &mut self.on_faces,
             near,

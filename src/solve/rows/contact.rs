@@ -2,7 +2,7 @@
 
 use super::Terms;
 use super::settled::Give;
-use crate::law::row::{Lift, friction_impulse, normal_impulse};
+use crate::law::row::{Lift, Turn, friction_impulse, normal_impulse};
 use crate::math::{DMat3, DVec3};
 
 /// How much faster, or farther, than the point of a contact one of its nodes may be moved where nothing takes the impulse back.
@@ -105,6 +105,8 @@ pub struct Row {
     pub depth: f64,
     /// From the shadow's centre of mass to the point \[m\].
     pub arm: DVec3,
+    /// How the turning of the shadow moves its surface there.
+    pub turn: Turn,
     /// What the shadow takes of the impulse: 1, or 0 for a body that dominates the deformable.
     pub rigid_share: f64,
     /// Coulomb's μ.

@@ -9,7 +9,7 @@ use super::settled::{Give, Settled};
 use super::squeeze::{Held, Squeeze};
 use super::worklist::Worklist;
 use super::{JointRow, RigidRow, Row, Rows, Tie};
-use crate::law::row::{allowed_velocity, chord, turning};
+use crate::law::row::{allowed_velocity, chord};
 use crate::math::{DMat3, DVec3};
 use crate::solve::shadow::Shadow;
 
@@ -190,7 +190,7 @@ impl Pass<'_> {
             let mut along = DVec3::ZERO;
             if shadow.w != DVec3::ZERO {
                 let relative = self.points.velocity_of(row) - shadow.velocity_at(row.arm);
-                allowed += turning(shadow.w, relative, row.arm, row.normal, self.h);
+                allowed += row.turn.faster(relative, row.normal, self.h);
                 along = row.along(chord(shadow.w, row.arm, self.h));
             }
             let own = self.points.response(row.terms);

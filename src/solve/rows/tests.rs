@@ -46,6 +46,7 @@ fn row(terms: Terms) -> Row {
         levers: None,
         normal: DVec3::Y,
         depth: 0.0,
+        turn: Default::default(),
         arm: DVec3::ZERO,
         rigid_share: 1.0,
         friction: 0.0,

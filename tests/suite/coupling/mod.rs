@@ -9,6 +9,7 @@ mod joints;
 mod laden;
 mod links;
 mod rest;
+mod slender;
 mod soft;
 mod stick;
 mod supports;
