@@ -62,7 +62,8 @@ impl Roll {
         }
     }
 
-    /// For a flat face, over which a point of it at `arm` slides.
+    /// For a flat face, over which a point of it at `arm` slides. What slides along an edge of it that turns is not accelerated
+    /// by that.
     pub fn under_face(&self, normal: DVec3, arm: DVec3) -> Turn {
         Turn {
             swing: DVec3::ZERO,

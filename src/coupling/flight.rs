@@ -79,7 +79,8 @@ impl Flight {
     /// where none does \[rad/s\].
     pub fn spin_to(&self, end: DQuat, from: DVec3) -> DVec3 {
         let dt = self.h * self.count as f64;
-        let (mut w, mut best) = (from, (f64::INFINITY, from));
+        let mut w = from.clamp_length_max(self.fastest);
+        let mut best = (f64::INFINITY, w);
         for _ in 0..TRIES {
             let off = rotation_vector(end * self.end(w).0.inverse());
             let angle = off.length();
@@ -112,4 +113,79 @@ fn gyroscopic(w: DVec3, axes: DQuat, inertia: DVec3, h: f64) -> DVec3 {
     }
     let kept = after * (momentum.length_squared() / square).sqrt();
     axes * (kept / inertia)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::target::wide_rotation;
+    use crate::coupling::observe::free_acceleration;
+    use crate::math::Vector;
+    use rapier3d::dynamics::RigidBodyBuilder;
+    use rapier3d::geometry::ColliderBuilder;
+    use rapier3d::pipeline::PhysicsWorld;
+
+    /// Rods, plates and bricks, with gyroscopic torque and without, damped, driven by a torque, faster than Rapier lets them be.
+    #[test]
+    fn rapier_turns_bodies_as_foretold() {
+        let shapes = [
+            ColliderBuilder::capsule_y(0.25, 0.02),
+            ColliderBuilder::cylinder(0.01, 0.2),
+            ColliderBuilder::cuboid(0.3, 0.1, 0.05).rotation(Vector::new(0.3, 0.2, 0.5)),
+        ];
+        let spins = [Vector::new(3.0, 1.0, -2.0), Vector::new(60.0, -20.0, 150.0)];
+        for (shape, w) in shapes.iter().flat_map(|s| spins.map(|w| (s, w))) {
+            for (gyroscopic, fast, damping) in [
+                (true, false, 0.0),
+                (true, true, 0.3),
+                (false, false, 0.0),
+                (false, true, 0.3),
+            ] {
+                let mut world = PhysicsWorld::default();
+                world.integration_parameters.dt = 1.0 / 240.0;
+                let builder = RigidBodyBuilder::dynamic()
+                    .rotation(Vector::new(0.4, -0.3, 0.8))
+                    .angvel(w)
+                    .angular_damping(damping)
+                    .allow_fast_rotation(fast);
+                let (handle, _) = world.insert(builder, shape.clone().mass(2.0));
+                world.bodies[handle].enable_gyroscopic_forces(gyroscopic);
+                world.step();
+                world.bodies[handle].add_torque(Vector::new(0.1, 0.2, -0.3), true);
+                let body = &world.bodies[handle];
+                let (_, spin_up) = free_acceleration(body, Vector::ZERO);
+                let dt = f64::from(world.integration_parameters.dt);
+                let flight = Flight::new(body, spin_up, &world.integration_parameters, dt);
+                let (rot, spin) = flight.end(wide(body.angvel()));
+                world.step();
+                let body = &world.bodies[handle];
+                let off = rotation_vector(rot * wide_rotation(*body.rotation()).inverse());
+                assert!(off.length() < 1e-5, "{w}, {gyroscopic}, {fast}: {off}");
+                let off = spin - wide(body.angvel());
+                assert!(
+                    off.length() < 1e-4 * (1.0 + spin.length()),
+                    "{w}, {gyroscopic}, {fast}: {off}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_spin_that_is_found_leads_to_the_orientation() {
+        let mut world = PhysicsWorld::default();
+        let shape = ColliderBuilder::cuboid(0.3, 0.1, 0.05).mass(2.0);
+        let (handle, _) = world.insert(RigidBodyBuilder::dynamic(), shape);
+        world.step();
+        let body = &world.bodies[handle];
+        let dt = 1.0 / 240.0;
+        let flight = Flight::new(body, DVec3::ZERO, &world.integration_parameters, dt);
+        for w in [DVec3::new(3.0, 1.0, -2.0), DVec3::new(40.0, -20.0, 60.0)] {
+            let (end, _) = flight.end(w);
+            let found = flight.spin_to(end, DVec3::new(1.0, 2.0, 3.0));
+            assert!((found - w).length() < 1e-6 * w.length(), "{found}, {w}");
+        }
+        // Half a turn is more than Rapier makes in a step.
+        let half = DQuat::from_rotation_x(3.0);
+        assert!(flight.spin_to(half, DVec3::ZERO).length() <= flight.fastest * (1.0 + 1e-9));
+    }
 }

@@ -1,12 +1,13 @@
 //! The hand-over: what a rigid body gets, before and after Rapier's step, so that it ends where its shadow is, as fast as
-//! its shadow is, and with exactly the momentum the deformables gave.
+//! its shadow is, and with exactly the momentum the deformables gave, of free bodies also made good for what Rapier's step does to
+//! the angular one.
 //!
 //! An impulse J before the step displaces J·dt/m, one after it nothing; a force F held over it s·F·dt²/m. A free body
-//! gets a first part that puts it at the shadow's position, and the rest of the impulse afterwards. A body with rigid
-//! contacts or joints gets it within the step, so that Rapier's own constraints can answer it: a part at the start or at
-//! the end, and the rest as a force, split so that it ends where its shadow is. (The mean force alone, which does not know
-//! when in the step the impulse came, lets a jointed pair leave a hard impact 3 % too slow.) Where the shadow can't foresee
-//! the answer, it is the mean force, and the answer is measured.
+//! gets a first part that puts it at the shadow's position, and the rest of the impulse afterwards; likewise a spin that turns it
+//! as its shadow has turned, and then its shadow's. A body with rigid contacts or joints gets it within the step, so that Rapier's
+//! own constraints can answer it: a part at the start or at the end, and the rest as a force, split so that it ends where its
+//! shadow is. (The mean force alone, which does not know when in the step the impulse came, lets a jointed pair leave a hard impact
+//! 3 % too slow.) Where the shadow can't foresee the answer, it is the mean force, and the answer is measured.
 
 use super::flight::{Flight, rotation_vector};
 use super::linkage::Mobility;
@@ -18,7 +19,9 @@ use crate::solve::shadow::Shadow;
 use rapier3d::dynamics::{IntegrationParameters, RigidBody};
 
 /// An orientation that differs from its shadow's by more than this is not what Rapier makes by the right spin \[rad\].
-const OFF: f64 = 1e-3;
+const OFF: f64 = 1e-5;
+/// And one that differs by less than this from what was expected is that, but for rounding \[rad\].
+const MET: f64 = 1e-4;
 
 /// An impulse \[N·s\] and an angular impulse about the centre of mass \[N·m·s\].
 pub type Wrench = (DVec3, DVec3);
@@ -97,7 +100,7 @@ pub fn before_step(
             pending.given = impulse;
             if inv_inertia(body).inverse().is_finite() {
                 let flight = Flight::new(body, spin_up, parameters, dt);
-                let spin = flight.spin_to(end.rot, start.w);
+                let spin = flight.spin_to(end.rot, 0.5 * (start.w + end.w));
                 body.set_angvel(narrow(spin), false);
                 pending.turned = Some(flight.end(wide(body.angvel())));
             }
@@ -121,15 +124,19 @@ pub fn before_step(
 fn turn_to(body: &mut RigidBody, end: &Shadow, (expected, spin): (DQuat, DVec3)) {
     let rot = wide_rotation(*body.rotation());
     let apart = |other: DQuat| rotation_vector(other * rot.inverse()).length();
-    let off = apart(end.rot);
-    if off > OFF && apart(expected) < 0.1 * off {
+    let mut now = rot;
+    if apart(end.rot) > OFF && apart(expected) < MET {
         let (com, local) = (body.center_of_mass(), body.local_center_of_mass());
         let rotation = Rotation::from_array(end.rot.to_array().map(|x| x as Real));
         let at = com - rotation * local;
         body.set_position(Pose::from_parts(at, rotation), false);
+        now = end.rot;
     }
-    let spin = wide(body.angvel()) + end.w - spin;
-    body.set_angvel(narrow(spin), false);
+    // Turned along with the body: its energy and the size of its momentum are those of the shadow.
+    let spin = wide(body.angvel()) - spin + now * end.rot.inverse() * end.w;
+    if spin.is_finite() {
+        body.set_angvel(narrow(spin), false);
+    }
 }
 
 fn give(body: &mut RigidBody, (impulse, torque): Wrench) {

@@ -124,8 +124,8 @@ pub fn shadow(
         shadow.lead = (displacement_share(body, around.parameters) - 0.5) * dt;
     }
     shadow.damping = (body.linear_damping().into(), body.angular_damping().into());
-    let locked = !body.locked_axes().is_empty();
-    if own && !locked && body.gyroscopic_forces_enabled() {
+    if own && body.gyroscopic_forces_enabled() {
+        // Of what can't turn about every axis it is not finite.
         let inertia = inv_inertia(body).inverse();
         if inertia.is_finite() {
             shadow.inertia = inertia;

@@ -128,21 +128,26 @@ impl Group {
         (TURN / spins.fold(0.0, f64::max)).max(dt / MOST)
     }
 
-    /// How fast a member and what is in its reach may close \[m/s\]; with nothing there, how fast its nodes close.
+    /// How fast a member of tets and what is in its reach may close \[m/s\]; with nothing there, how fast its own nodes do. 0 for
+    /// what has no tets.
     fn closing(&self, member: usize) -> f64 {
-        let speed = |m: usize| self.members[m].1.fastest();
+        let body = &self.members[member].1;
+        if body.solid().is_none() {
+            return 0.0;
+        }
+        let own = body.stir();
         let rigid = self.candidates[member].iter().map(|c| {
             let shadow = &self.shadows[c.target.shadow as usize];
-            c.target.speed(shadow)
+            let there = shadow.velocity_at(own.centre - shadow.com);
+            (there - own.mean).length() + shadow.w.length() * own.radius
         });
         let soft = self.encounters.iter().filter_map(|e| {
             let [a, b] = e.members.map(|m| m as usize);
-            let other = [(a, b), (b, a)].into_iter().find(|pair| pair.0 == member);
-            other.map(|(_, other)| speed(other))
+            let pair = [(a, b), (b, a)].into_iter().find(|pair| pair.0 == member);
+            let other = self.members[pair?.1].1.stir();
+            Some((other.mean - own.mean).length() + other.most)
         });
-        let others = rigid.chain(soft).reduce(f64::max);
-        let alone = || self.members[member].1.stir();
-        others.map_or_else(alone, |other| speed(member) + other)
+        own.most + rigid.chain(soft).fold(0.0, f64::max)
     }
 
     /// How many springs take as long as a substep of it.

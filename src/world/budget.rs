@@ -12,6 +12,8 @@ use crate::solve::stable::StableStep;
 const CRUSH: f64 = 0.15;
 /// After how long their stable substep is another one, in such substeps.
 const STALE: f64 = 0.5;
+/// The fastest blow that substeps are shortened for, in speeds of sound.
+const FASTEST: f64 = 4.0;
 
 impl Deformable {
     /// The longest stable substep of its scheme now, and the spring or tet that sets it.
@@ -117,10 +119,10 @@ impl Deformable {
         (n, unstable, stable.h * self.mach(closing).recip() * STALE)
     }
 
-    /// How fast something meets it, in speeds of sound; 0 for what has no tets.
+    /// How fast something meets it, in speeds of sound; 0 for what has no tets. What is faster than [`FASTEST`] explodes.
     fn mach(&self, closing: f64) -> f64 {
         let sound = self.solid().map_or(f64::INFINITY, Solid::sound_speed);
-        closing / sound
+        (closing / sound).min(FASTEST)
     }
 
     fn review_of(
@@ -159,7 +161,7 @@ impl Deformable {
         dt.min(self.defaults.review_interval) * self.solver.least_decay(&self.state, 2.0 / stable.h)
     }
 
-    /// How many substeps of `most` times the stable length or less.
+    /// How many substeps: if they are found automatically, of `most` times the stable length or less, and no shorter than asked for.
     fn substeps_of(&self, stable: &StableStep, dt: f64, frame: f64, most: f64) -> (usize, bool) {
         let count = |h: f64| ((dt / h).ceil() as usize).max(1);
         let share = |n: usize| ((n as f64 * dt / frame).round() as usize).max(1);

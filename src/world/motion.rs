@@ -29,6 +29,17 @@ pub(super) struct Books {
     steady: Steadiness,
 }
 
+/// How the nodes of a body move.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Stir {
+    /// Mean of their velocities, and the largest speed against it \[m/s\].
+    pub mean: DVec3,
+    pub most: f64,
+    /// Mean of their places, and the largest distance from it \[m\].
+    pub centre: DVec3,
+    pub radius: f64,
+}
+
 impl Deformable {
     /// Fills the solver's forces from outside for the coming rigid step, and leads its kinematic nodes for `remaining` s.
     pub(super) fn prepare(&mut self, gravity: Vector, remaining: f64) {
@@ -326,16 +337,22 @@ impl Deformable {
         }
     }
 
-    /// Largest speed of any node of tets against their mean \[m/s\]; 0 without tets.
-    pub(super) fn stir(&self) -> f64 {
-        if self.solver.part.is_none() {
-            return 0.0;
+    /// How its nodes move and where they are.
+    pub(super) fn stir(&self) -> Stir {
+        let nodes = 0..self.node_count();
+        let share = 1.0 / nodes.len().max(1) as f64;
+        let mut stir = Stir::default();
+        for i in nodes.clone() {
+            stir.mean += self.state.velocity(i) * share;
+            stir.centre += self.state.position(i) * share;
         }
-        let count = self.node_count() as u32;
-        let velocities = || (0..count).map(|i| self.state.velocity(i as usize));
-        let mean = velocities().sum::<DVec3>() / f64::from(count);
-        let squares = velocities().map(|v| (v - mean).length_squared());
-        squares.fold(0.0, f64::max).sqrt()
+        let (mut most, mut radius) = (0.0_f64, 0.0_f64);
+        for i in nodes {
+            most = most.max((self.state.velocity(i) - stir.mean).length_squared());
+            radius = radius.max((self.state.position(i) - stir.centre).length_squared());
+        }
+        (stir.most, stir.radius) = (most.sqrt(), radius.sqrt());
+        stir
     }
 
     /// Largest speed of any node \[m/s\].

@@ -94,7 +94,7 @@ impl Axis {
     }
 }
 
-/// By which share answers of shadows may differ and count as the same: a body turns a little in every substep.
+/// By which share of their norms answers of shadows may differ and count as the same: a body turns a little in every substep.
 const SAME: f64 = 1e-3;
 
 /// How shadows answered when rows were prepared: while they answer in the same way, these need no new preparation.

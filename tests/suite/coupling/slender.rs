@@ -13,8 +13,24 @@ fn sheet(friction: f32) -> DeformableBuilder {
         .pin(|p| p.x.abs() > 0.499 || p.z.abs() > 0.499)
 }
 
+/// A rod along y, of a capsule or a bar whose collider is turned and beside the origin of its body.
+fn rod_of(half: f32, radius: f32, square: bool) -> ColliderBuilder {
+    if square {
+        ColliderBuilder::cuboid(half, radius, 0.8 * radius)
+            .rotation(Vector::Z * std::f32::consts::FRAC_PI_2)
+            .translation(Vector::new(0.05, 0.02, -0.03))
+    } else {
+        ColliderBuilder::capsule_y(half, radius)
+    }
+}
+
 /// The most energy of rod and sheet over that at the start of the rod, which is thrown, tilted, on the sheet.
-fn most_energy((half, radius, mass): (f32, f32, f32), speed: f32, tilt: f32, friction: f32) -> f64 {
+fn most_energy(
+    (half, radius, mass, square): (f32, f32, f32, bool),
+    speed: f32,
+    tilt: f32,
+    friction: f32,
+) -> f64 {
     let mut world = weightless(1.0 / 60.0);
     let mut deformables = DeformableWorld::default();
     let sheet = deformables.insert(sheet(friction)).unwrap();
@@ -22,7 +38,7 @@ fn most_energy((half, radius, mass): (f32, f32, f32), speed: f32, tilt: f32, fri
         .translation(Vector::new(0.03, half * tilt.cos() + 0.05, 0.04))
         .rotation(Vector::new(tilt, 0.0, 0.1))
         .linvel(Vector::new(0.3, -1.0, 0.1) * speed);
-    let shape = ColliderBuilder::capsule_y(half, radius).mass(mass);
+    let shape = rod_of(half, radius, square).mass(mass);
     let (rod, _) = world.insert(rod, shape.friction(friction));
     let start = f64::from(world.bodies[rod].kinetic_energy());
     let mut most = 0.0_f64;
@@ -40,7 +56,12 @@ fn most_energy((half, radius, mass): (f32, f32, f32), speed: f32, tilt: f32, fri
 /// made with the rod's axis by I₁/I₃·(ωh)²/2, and the rest of the torque was given at another orientation.
 #[test]
 fn a_thin_rod_takes_no_energy_from_a_blow() {
-    let rods = [(0.12, 0.01, 0.5), (0.25, 0.01, 0.5), (0.3, 0.005, 3.0)];
+    let rods = [
+        (0.12, 0.01, 0.5, false),
+        (0.25, 0.01, 0.5, false),
+        (0.3, 0.005, 3.0, false),
+        (0.3, 0.01, 1.0, true),
+    ];
     for rod in rods {
         for speed in [5.0, 20.0, 40.0] {
             for tilt in [0.2, 0.5, 0.9, 1.5] {
@@ -53,25 +74,5 @@ fn a_thin_rod_takes_no_energy_from_a_blow() {
                 }
             }
         }
-    }
-}
-
-/// A free rod that something touches lightly goes on tumbling as it did: momentum and energy of a long flight.
-#[test]
-fn a_spinning_rod_beside_a_sheet_keeps_its_spin() {
-    let mut world = weightless(1.0 / 60.0);
-    let mut deformables = DeformableWorld::default();
-    deformables.insert(sheet(0.0)).unwrap();
-    let rod = RigidBodyBuilder::dynamic()
-        .translation(Vector::new(0.0, 0.4, 0.0))
-        .linvel(Vector::new(0.0, -1.0, 0.0))
-        .angvel(Vector::new(0.0, 30.0, 2.0));
-    let shape = ColliderBuilder::capsule_y(0.25, 0.01).mass(0.5);
-    let (rod, _) = world.insert(rod, shape.friction(0.0));
-    let start = f64::from(world.bodies[rod].kinetic_energy());
-    for _ in 0..60 {
-        deformables.step(&mut world);
-        let now = f64::from(world.bodies[rod].kinetic_energy());
-        assert!(now < 1.005 * start, "{now} J of {start} J");
     }
 }

@@ -264,3 +264,30 @@ fn a_blow_near_the_speed_of_sound_is_survived() {
         }
     }
 }
+
+/// Only what closes counts: a block that lies on a platform at five times its speed of sound takes as many substeps as one on a
+/// platform at rest.
+#[test]
+fn what_moves_along_meets_nothing() {
+    let substeps = |speed: f32| {
+        let mut world = weightless(1.0 / 60.0);
+        let platform = RigidBodyBuilder::kinematic_velocity_based()
+            .translation(Vector::Y * -0.5)
+            .linvel(Vector::X * speed);
+        world.insert(platform, ColliderBuilder::cuboid(5.0, 0.5, 5.0));
+        let mesh = tet_box(Vector::splat(0.3), 0.1, TetSplit::Six).unwrap();
+        let solid = Solid::new(2.0e5, 0.3, 1000.0).damping(0.0, 1e-4);
+        let mut deformables = DeformableWorld::default();
+        let body = DeformableBuilder::tets(mesh, solid)
+            .translation(Vector::Y * 0.151)
+            .linvel(Vector::X * speed);
+        deformables.insert(body).unwrap();
+        let mut most = 0;
+        for _ in 0..5 {
+            deformables.step(&mut world);
+            most = most.max(deformables.report().substeps[0].1);
+        }
+        most
+    };
+    assert_eq!(substeps(80.0), substeps(0.0));
+}
