@@ -41,8 +41,8 @@ pub struct RigidRow {
     pub made: Made,
 }
 
-/// How two shadows answer at a point, set for as long as they answer in the same way. All is along the normal and two sides: a visit is three numbers in
-/// and three out, however the bodies' masses lie.
+/// How two shadows answer at a point, set for as long as they answer in the same way. All is along the normal and two sides: a
+/// visit is three numbers in and three out, however the bodies' masses lie.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Made {
     is_ready: bool,
