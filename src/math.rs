@@ -145,6 +145,12 @@ pub fn two_sum<S: Number>(a: S, b: S) -> (S, S) {
     (sum, (a - (sum - b_part)) + (b - b_part))
 }
 
+/// The squares of a matrix's elements, summed.
+#[inline(always)]
+pub fn sum_of_squares(m: &DMat3) -> f64 {
+    m.x_axis.length_squared() + m.y_axis.length_squared() + m.z_axis.length_squared()
+}
+
 /// A Rapier vector in `f64`.
 #[inline(always)]
 pub fn wide(v: Vector) -> DVec3 {

@@ -2,6 +2,7 @@
 //! size of the angular momentum, the rotation linearised, and no more than an eighth of a turn in all unless that is allowed.
 
 use super::observe::substeps;
+use crate::contact::target::wide_rotation;
 use crate::math::{DQuat, DVec3, wide};
 use rapier3d::dynamics::{IntegrationParameters, RigidBody};
 use std::f64::consts::FRAC_PI_4;
@@ -41,7 +42,6 @@ impl Flight {
         let props = &body.mass_properties().local_mprops;
         let count = substeps(body, parameters);
         let h = dt / count as f64;
-        let wide_rotation = crate::contact::target::wide_rotation;
         let inertia = wide(props.principal_inertia());
         let gyroscopic = body.gyroscopic_forces_enabled() && inertia.min_element() > 0.0;
         Self {
@@ -118,7 +118,6 @@ fn gyroscopic(w: DVec3, axes: DQuat, inertia: DVec3, h: f64) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::target::wide_rotation;
     use crate::coupling::observe::free_acceleration;
     use crate::math::Vector;
     use rapier3d::dynamics::RigidBodyBuilder;

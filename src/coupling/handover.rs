@@ -14,7 +14,7 @@ use super::linkage::Mobility;
 use super::memory::BodyMemory;
 use super::observe::{Answer, displacement_share, inv_inertia};
 use crate::contact::target::wide_rotation;
-use crate::math::{DQuat, DVec3, Pose, Real, Rotation, Vector, narrow, wide};
+use crate::math::{DQuat, DVec3, Pose, Vector, narrow, wide};
 use crate::solve::shadow::Shadow;
 use rapier3d::dynamics::{IntegrationParameters, RigidBody};
 
@@ -127,7 +127,7 @@ fn turn_to(body: &mut RigidBody, end: &Shadow, (expected, spin): (DQuat, DVec3))
     let mut now = rot;
     if apart(end.rot) > OFF && apart(expected) < MET {
         let (com, local) = (body.center_of_mass(), body.local_center_of_mass());
-        let rotation = Rotation::from_array(end.rot.to_array().map(|x| x as Real));
+        let rotation = end.rot.as_quat();
         let at = com - rotation * local;
         body.set_position(Pose::from_parts(at, rotation), false);
         now = end.rot;

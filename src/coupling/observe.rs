@@ -33,6 +33,22 @@ pub struct Surroundings<'a> {
     pub multibodies: &'a MultibodyJointSet,
 }
 
+#[cfg(test)]
+impl<'a> From<&'a rapier3d::pipeline::PhysicsWorld> for Surroundings<'a> {
+    fn from(world: &'a rapier3d::pipeline::PhysicsWorld) -> Self {
+        Self {
+            gravity: world.gravity,
+            parameters: &world.integration_parameters,
+            bodies: &world.bodies,
+            colliders: &world.colliders,
+            broad_phase: &world.broad_phase,
+            narrow_phase: &world.narrow_phase,
+            joints: &world.impulse_joints,
+            multibodies: &world.multibody_joints,
+        }
+    }
+}
+
 /// How a rigid body answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Answer {

@@ -4,7 +4,7 @@
 //! as if infinitely heavy and then as if hit by a hammer. Shadows move with the same equations as the rigid pipeline,
 //! take every contact impulse at once, and sum them up for the hand-over.
 
-use crate::math::{DMat3, DQuat, DVec3};
+use crate::math::{DMat3, DQuat, DVec3, sum_of_squares};
 
 /// State and mass of a rigid body during substeps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -166,14 +166,7 @@ impl Shadow {
 
     /// How large its responses are.
     pub fn norms(&self) -> Norms {
-        let of = |m: &DMat3| {
-            let columns = [m.x_axis, m.y_axis, m.z_axis];
-            columns
-                .map(DVec3::length_squared)
-                .iter()
-                .sum::<f64>()
-                .sqrt()
-        };
+        let of = |m: &DMat3| sum_of_squares(m).sqrt();
         Norms {
             mass: of(&self.inv_mass),
             cross: self.cross.as_ref().map_or(0.0, of),

@@ -29,19 +29,6 @@ fn joined(joint: impl Into<GenericJoint>) -> (PhysicsWorld, RigidBodyHandle) {
     (world, two)
 }
 
-fn around(world: &PhysicsWorld) -> Surroundings<'_> {
-    Surroundings {
-        gravity: world.gravity,
-        parameters: &world.integration_parameters,
-        bodies: &world.bodies,
-        colliders: &world.colliders,
-        broad_phase: &world.broad_phase,
-        narrow_phase: &world.narrow_phase,
-        joints: &world.impulse_joints,
-        multibodies: &world.multibody_joints,
-    }
-}
-
 /// What is computed is what Rapier does, whatever the joint: to 1 % of what a free body would do.
 #[test]
 fn joints_answer_as_rapier_says() {
@@ -53,7 +40,7 @@ fn joints_answer_as_rapier_says() {
     ];
     for joint in joints {
         let (mut world, body) = joined(joint);
-        let around = around(&world);
+        let around = Surroundings::from(&world);
         let dt = f64::from(world.integration_parameters.dt);
         let mobility = mobility(body, &around, dt);
         let (j, l) = (DVec3::new(0.3, -0.5, 0.2), DVec3::new(-0.03, 0.02, 0.05));
@@ -87,7 +74,7 @@ fn a_contact_that_presses_holds() {
     for _ in 0..3000 {
         world.step();
     }
-    let around = around(&world);
+    let around = Surroundings::from(&world);
     let mobility = mobility(body, &around, 1.0 / 240.0);
     let fall = mobility.acceleration.length();
     assert!(fall < 0.05 * 9.81, "falls at {fall} m/s²");

@@ -8,7 +8,7 @@ use super::climb::Climb;
 use super::pass::inverse;
 use super::settled::{Give, Settled};
 use crate::law::row::{allowed_velocity, normal_impulse};
-use crate::math::{DMat3, DVec3};
+use crate::math::{DMat3, DVec3, sum_of_squares};
 use crate::solve::shadow::Shadow;
 
 /// A contact point of two shadows.
@@ -116,7 +116,7 @@ impl Answers {
                 shadow.inv_inertia,
             ];
             let is_same = |(known, now): (&DMat3, &DMat3)| {
-                square(&(*now - *known)) <= SAME * SAME * square(known)
+                sum_of_squares(&(*now - *known)) <= SAME * SAME * sum_of_squares(known)
             };
             let same = known.iter().zip(&now).all(is_same);
             if !same {
@@ -129,11 +129,6 @@ impl Answers {
     fn are_same(&self, shadows: [u32; 2]) -> bool {
         shadows.iter().all(|i| self.same[*i as usize])
     }
-}
-
-/// Of the elements, summed.
-fn square(m: &DMat3) -> f64 {
-    m.x_axis.length_squared() + m.y_axis.length_squared() + m.z_axis.length_squared()
 }
 
 /// Starts a substep of h s: shadows get what the rows gave them in the last one, or that share of it which leads farthest

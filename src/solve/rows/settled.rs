@@ -6,7 +6,7 @@
 //! the nodes of a group that has ties: of a thousand random scenes one gained energy without, in which a pinned node is
 //! pressed on.
 
-use crate::math::{DMat3, DVec3};
+use crate::math::{DMat3, sum_of_squares};
 
 /// What a visit may leave nodes off by, as an acceleration over the substep and as a speed, which is half of that at which
 /// bodies fall asleep \[length units/s², length units/s\].
@@ -50,11 +50,9 @@ pub struct Give {
 impl Give {
     /// Of nodes that get `nodes`, and of shadows by their matrix at the point.
     pub fn of(nodes: f64, shadows: &DMat3) -> Self {
-        let square = |column: DVec3| column.length_squared();
-        let square = square(shadows.x_axis) + square(shadows.y_axis) + square(shadows.z_axis);
         Self {
             nodes,
-            shadows: square.sqrt(),
+            shadows: sum_of_squares(shadows).sqrt(),
         }
     }
 }

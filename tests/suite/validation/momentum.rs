@@ -25,8 +25,8 @@ fn of_rigid(body: &RigidBody) -> (DVec3, DVec3) {
 enum Loop {
     /// By `DeformableWorld::step`.
     Ours,
-    /// By hand, so that what Rapier's own step does to the rigid body while nothing pushes it can be left out: it turns a body that is no ball
-    /// without conserving angular momentum (2e-3 in half a second of free flight at 7 rad/s and dt = 1/60).
+    /// By hand, so that what Rapier's own step does to the rigid body while nothing pushes it can be left out: it turns a body
+    /// that is no ball without conserving angular momentum (2e-3 in half a second of free flight at 7 rad/s and dt = 1/60).
     ByHand,
 }
 
