@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 /// The springs at each node.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Adjacency {
     firsts: Vec<u32>,
     /// Spring and the node at its other end, in the order of springs.

@@ -1,6 +1,7 @@
 //! What of a body's surface can be touched besides its nodes: faces, their edges, and whether they close.
 
 use super::Blueprint;
+use super::adjacency::Adjacency;
 use crate::math::{DVec3, wide};
 use std::collections::BTreeMap;
 
@@ -41,6 +42,8 @@ pub struct Topology {
     /// its third one, twice. [`NONE`] on a border, and between more than two faces or such as don't agree on an outside. None
     /// of a body without faces.
     pub wings: Vec<[Wing; 2]>,
+    /// The edges at each node; none of a body without faces.
+    pub around: Option<Adjacency>,
     /// Whether the faces enclose a volume: every edge belongs to two faces that agree on which side is outside. A surface
     /// that is open has no outside, and both sides count.
     pub closed: bool,
@@ -104,12 +107,15 @@ impl Topology {
         if blueprint.faces.is_empty() {
             edges = blueprint.springs.iter().map(|s| s.nodes).collect();
         }
+        let around = (!blueprint.faces.is_empty())
+            .then(|| Adjacency::new(blueprint.nodes.len(), (0..).zip(edges.iter().copied())));
         let total: f64 = edges.iter().map(|&[a, b]| at(a).distance(at(b))).sum();
         Self {
             faces: faces.into_iter().flatten().collect(),
             spacing: total / edges.len().max(1) as f64,
             edges,
             wings,
+            around,
             closed,
         }
     }

@@ -1,5 +1,7 @@
-//! Along which directions a corner or an edge can push: those that nothing of its surface goes.
+//! Along which directions a corner or an edge can push, or be pushed: those that nothing of its surface goes.
 
+use super::distance::Solid;
+use super::site::Reach;
 use crate::math::DVec3;
 
 /// How far, as a sine, what is beside a point that is to touch may lean over: a face rocks a little.
@@ -15,9 +17,157 @@ pub fn can_push(cone: impl IntoIterator<Item = DVec3>, direction: DVec3, touched
     cone.into_iter().all(|c| c.dot(direction) <= lean)
 }
 
+/// The directions, at most two, in which the surface around a point can be pushed there and which are nearest to the unit `normal`,
+/// if that is slanted: then a part of the surface goes into what would push it so and a part away from it. 0 for none.
+///
+/// `cone` are unit directions of the surface away from the point, 0 for what is not there. A normal between those of the faces
+/// beside the point is not slanted, nor is one over a hollow that is wrapped round what pushes it.
+pub fn upright(cone: impl Iterator<Item = DVec3> + Clone, normal: DVec3) -> [DVec3; 2] {
+    let range = |n: DVec3| {
+        let along = cone.clone().map(|c| c.dot(n));
+        along.fold((0.0_f64, 0.0_f64), |(lo, hi), x| (lo.min(x), hi.max(x)))
+    };
+    let (lo, hi) = range(normal);
+    if lo >= -ROUNDING || (hi <= ROUNDING && lo > -ACROSS) {
+        return [DVec3::ZERO; 2];
+    }
+    // Of a surface that stands out here, or is hollow as seen from what pushes it.
+    let nearest = |sign: f64| {
+        let mut n = normal;
+        for _ in 0..SWEEPS {
+            for c in cone.clone() {
+                n -= c * (sign * (sign * c.dot(n)).min(0.0));
+            }
+        }
+        let n = n.normalize_or_zero();
+        let (lo, hi) = range(n);
+        if sign * (if sign > 0.0 { lo } else { hi }) >= -ROUNDING {
+            n
+        } else {
+            DVec3::ZERO
+        }
+    };
+    let (out, hollow) = (nearest(1.0), nearest(-1.0));
+    if out != DVec3::ZERO && out.distance_squared(hollow) > ROUNDING * ROUNDING {
+        return [out, hollow];
+    }
+    // A flat surface has two sides, and what is across them says little of which is meant.
+    let mut rest = cone.clone();
+    let first = rest.next().unwrap_or_default();
+    let across = rest.map(|c| first.cross(c));
+    let across = across.fold(DVec3::ZERO, |a, b| {
+        if b.length_squared() > a.length_squared() {
+            b
+        } else {
+            a
+        }
+    });
+    let across = across.normalize_or_zero();
+    let (lo, hi) = range(across);
+    if lo >= -ROUNDING && hi <= ROUNDING {
+        [across, -across]
+    } else {
+        [out, hollow]
+    }
+}
+
+/// Whether a point of a surface that a solid would push along a slanted `normal`, see [`upright`], lies beside that solid: in some
+/// direction in which the surface can be pushed no point of the solid reaches over it by more than what counts as shallow, `skin` m
+/// being kept, nor does it after the point at `place` has gone its `way` relative to that one \[m\]. Then it is a face beside the
+/// point that is touched, if anything is, and a normal force at the point would brake what slides there and turn what rolls: a cube
+/// that slides over a flat sheet does not meet the edges ahead with its side, nor does a ball.
+pub fn lies_beside(
+    solid: &Solid,
+    (place, normal): (DVec3, DVec3),
+    cone: impl Iterator<Item = DVec3> + Clone,
+    (skin, reach): (f64, &Reach),
+    way: impl Fn(DVec3) -> DVec3,
+) -> bool {
+    let is_apart = |n: &DVec3| {
+        let over = solid.farthest_over(place, *n);
+        over.is_some_and(|(point, over)| {
+            skin + over - way(point).dot(*n).min(0.0) <= reach.shallow()
+        })
+    };
+    let mut directions = upright(cone, normal).into_iter();
+    directions.any(|n| n != DVec3::ZERO && is_apart(&n))
+}
+
+/// How often all of a cone is gone through.
+const SWEEPS: usize = 4;
+
+/// How slanted, as a sine, what counts as upright may be.
+const ROUNDING: f64 = 1e-2;
+
+/// The sine from which on what would push a border pushes it along its own face, from within.
+const ACROSS: f64 = 0.9;
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rapier3d::geometry::SharedShape;
+
+    const REACH: Reach = Reach {
+        h: 1e-3,
+        touching: 1e-5,
+        farthest: 0.1,
+        slack: 0.0,
+    };
+
+    #[test]
+    fn what_is_slanted_is_set_upright() {
+        let of = |cone: &[DVec3], n| upright(cone.iter().copied(), n);
+        let slanted = |sine: f64| DVec3::new(sine, -(1.0 - sine * sine).sqrt(), 0.0);
+        let none = [DVec3::ZERO; 2];
+        let flat = [DVec3::X, -DVec3::X, DVec3::Z, -DVec3::Z];
+        assert_eq!(of(&flat, -DVec3::Y), none);
+        for sine in [0.05, 0.7, 0.99] {
+            assert!(of(&flat, slanted(sine)).contains(&-DVec3::Y));
+        }
+        assert!(of(&flat, DVec3::X).iter().all(|n| n.y.abs() == 1.0));
+        // On a ridge all normals between those of its sides stay; beyond one they end at that.
+        let ridge = [DVec3::new(0.8, -0.6, 0.0), DVec3::new(-0.8, -0.6, 0.0)];
+        assert_eq!(of(&ridge, -DVec3::Y), none);
+        assert_eq!(of(&ridge, slanted(0.5)), none);
+        let most = of(&ridge, slanted(0.65));
+        assert!(most[0].distance(slanted(0.6)) < 1e-6, "{most:?}");
+        // A sheet that is wrapped round an edge is held by it.
+        let wrapped = [-DVec3::X, -DVec3::Y];
+        let out = DVec3::new(1.0, 1.0, 0.0).normalize();
+        assert_eq!(of(&wrapped, out), none);
+        // A border is pushed by what it runs into, not by what lies on its face.
+        let border = [DVec3::X, DVec3::Z, -DVec3::Z];
+        assert_eq!(of(&border, DVec3::X), none);
+        assert!(of(&border, -DVec3::X).iter().all(|n| n.y.abs() == 1.0));
+    }
+
+    #[test]
+    fn a_flat_surface_is_under_a_cube_and_not_ahead_of_it() {
+        let cube = Solid::of(&*SharedShape::cuboid(1.0, 1.0, 1.0)).unwrap();
+        let flat = [DVec3::X, -DVec3::X, DVec3::Z, -DVec3::Z];
+        let at = |x: f64, y: f64, way: f64| {
+            let at = (DVec3::new(x, y, 0.0), DVec3::X);
+            let way = |_| DVec3::new(-0.01, way, 0.0);
+            lies_beside(&cube, at, flat.into_iter(), (0.0, &REACH), way)
+        };
+        assert!(at(1.1, -1.00002, 0.0));
+        assert!(at(1.1, -0.99995, 0.0));
+        // What stands against its side is held by that, and what is about to.
+        assert!(!at(1.1, -0.9, 0.0));
+        assert!(!at(1.1, -1.0, 0.01));
+    }
+
+    #[test]
+    fn a_ball_touches_a_flat_surface_with_its_lowest_point() {
+        let ball = Solid::of(&*SharedShape::ball(1.0)).unwrap();
+        let flat = [DVec3::X, -DVec3::X, DVec3::Z, -DVec3::Z];
+        let at = |x: f64| {
+            let place = DVec3::new(x, -1.0, 0.0);
+            let at = (place, place.normalize());
+            lies_beside(&ball, at, flat.into_iter(), (0.0, &REACH), |_| DVec3::ZERO)
+        };
+        assert!(!at(0.0) && at(0.05) && at(0.5));
+    }
 
     #[test]
     fn what_leans_over_can_push_only_if_it_touched() {

@@ -81,7 +81,12 @@ impl Nodes {
     ) {
         match (&target.form, self) {
             (Form::Solid(solid), Self::Solid(nodes)) => {
-                nodes.add_rows(solid, (target, pair), (frame, way), site);
+                nodes.add_rows(
+                    solid,
+                    (target, pair, features.is_some()),
+                    (frame, way),
+                    site,
+                );
             }
             (Form::Soup(_), Self::Soup(nodes)) => {
                 nodes.add_rows((target, pair, features), frame, site);

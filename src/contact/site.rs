@@ -28,6 +28,11 @@ impl Reach {
         self.touching + 2.0 * self.h * speed + self.slack
     }
 
+    /// How deep what lies on a surface may be and still count as lying on it \[m\].
+    pub fn shallow(&self) -> f64 {
+        10.0 * self.touching
+    }
+
     /// How deep a point can have come within the last substep, which may have been longer, if it moves inwards at `speed` m/s \[m\].
     pub fn come(&self, speed: f64) -> f64 {
         self.touching + 1.5 * self.h * speed.max(0.0) + self.slack
@@ -99,6 +104,19 @@ impl Side<'_> {
         }
     }
 
+    /// The unit directions in a frame from a point of its surface along the edges there; none of a body without faces.
+    pub fn around(
+        &self,
+        point: u32,
+        frame: &Frame,
+    ) -> impl Iterator<Item = DVec3> + Clone + use<'_> {
+        let edges = self.topology.around.as_ref();
+        let edges = edges.map_or(&[][..], |around| around.at(point));
+        let (frame, start) = (*frame, frame.to_local(self.state, point));
+        let along = move |&(_, other): &(u32, u32)| frame.to_local(self.state, other) - start;
+        edges.iter().map(along).map(DVec3::normalize_or_zero)
+    }
+
     /// The box around its points in a frame \[m\].
     pub fn bounds(&self, frame: &Frame) -> (DVec3, DVec3) {
         let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
@@ -121,6 +139,16 @@ pub struct Site<'a> {
     pub rows: &'a mut Rows,
     /// What is near enough.
     pub reach: Reach,
+}
+
+impl Site<'_> {
+    /// How far what has this velocity goes in a substep relative to a point of the target in this frame, as both moved at the end of
+    /// the last one, in the frame \[m\]: gravity and other forces that contacts will bear are not in it.
+    pub fn way(&self, velocity: DVec3, frame: &Frame, point: DVec3) -> DVec3 {
+        let arm = frame.axes * point + (frame.position - self.shadow.com);
+        let (v, w) = self.shadow.before;
+        frame.axes.transpose() * (velocity - (v + w.cross(arm))) * self.reach.h
+    }
 }
 
 /// The row node of node `i`, made if it has none yet.

@@ -1,5 +1,6 @@
 //! Nodes near a solid, and their rows.
 
+use super::cone::lies_beside;
 use super::distance::Solid;
 use super::nodes::add;
 use super::roll::Roll;
@@ -34,7 +35,7 @@ impl SolidNodes {
     pub fn add_rows(
         &mut self,
         solid: &Solid,
-        (target, pair): (&Target, u32),
+        (target, pair, has_features): (&Target, u32, bool),
         (frame, way): (&Frame, f64),
         site: &mut Site,
     ) {
@@ -52,6 +53,7 @@ impl SolidNodes {
                 pair,
                 frame,
                 roll,
+                has_features,
                 touches,
                 site,
             };
@@ -85,6 +87,8 @@ struct Making<'a, 's> {
     pair: u32,
     frame: &'a Frame,
     roll: Roll,
+    /// Whether faces and edges have rows of their own.
+    has_features: bool,
     touches: &'a mut Touches,
     site: &'a mut Site<'s>,
 }
@@ -97,6 +101,7 @@ impl Making<'_, '_> {
             target,
             frame,
             roll,
+            has_features,
             ref mut site,
             ..
         } = *self;
@@ -112,6 +117,16 @@ impl Making<'_, '_> {
         }
         let key = [0, i, 0];
         let last = self.touches.last(key).copied();
+        let same_face = |touch: Touch| normal.dot(touch.normal) > FLAT;
+        if has_features && !last.is_some_and(same_face) {
+            let around = site.side.around(i, frame);
+            let velocity = site.side.state.velocity(i as usize);
+            let way = |point| site.way(velocity, frame, point);
+            let kept = (target.skin, &site.reach);
+            if lies_beside(solid, (place, normal), around, kept, way) {
+                return;
+            }
+        }
         let fresh = last.is_none_or(|touch| normal.dot(touch.normal) < SAME);
         if fresh && depth < site.reach.touching {
             let motion = frame.axes.transpose() * (slip + gain) * site.reach.h;
@@ -153,6 +168,9 @@ impl Making<'_, '_> {
 
 /// Cosine of an angle within which two normals are of one face.
 const SAME: f64 = 0.7;
+
+/// Cosine of an angle within which two normals are of one flat face.
+const FLAT: f64 = 1.0 - 1e-12;
 
 /// Whether a node that would go through the tangent plane of the nearest point, `gap` m away, goes past the solid instead, or
 /// over its edge: a plane has no end, but a plate has, and a node that slides over a joint between two boxes, a nanometre

@@ -168,6 +168,32 @@ impl Solid {
         Some((self.support(n)? - p).dot(n))
     }
 
+    /// The point that reaches farthest over `p` along a unit `n`, and how far \[m\]; of voxels that of their box. `None` for
+    /// half-spaces, which reach anywhere.
+    pub fn farthest_over(&self, p: DVec3, n: DVec3) -> Option<(DVec3, f64)> {
+        let farthest = match &self.core {
+            Core::Compound(_) => {
+                let mut farthest = None;
+                self.for_each_convex(&mut |offset, turn, part| {
+                    let point = part.support(turn.inverse() * n);
+                    let point = point.map(|point| offset + turn * point);
+                    let farther = |a: DVec3, b: DVec3| if b.dot(n) > a.dot(n) { b } else { a };
+                    farthest = match (farthest, point) {
+                        (Some(a), Some(b)) => Some(farther(a, b)),
+                        (a, b) => a.or(b),
+                    };
+                });
+                farthest
+            }
+            Core::Voxels(grid) => {
+                let (lo, hi) = grid.bounds();
+                Some(DVec3::select(n.cmpgt(DVec3::ZERO), hi, lo))
+            }
+            _ => self.support(n),
+        };
+        farthest.map(|point| (point, (point - p).dot(n)))
+    }
+
     /// The point farthest in a direction, which need not be a unit vector \[m\]; `None` for compounds, voxels and half-spaces.
     pub fn support(&self, direction: DVec3) -> Option<DVec3> {
         let sign = primitive::signs(direction);

@@ -4,6 +4,7 @@ use super::making::{BORDER, Making};
 use super::meet::{ALIKE, share_node};
 use super::part::Convex;
 use super::sharp::FLAT;
+use crate::contact::cone::lies_beside;
 use crate::contact::distance::Crossing;
 use crate::contact::touches::Key;
 use crate::math::DVec3;
@@ -63,12 +64,22 @@ impl Making<'_, '_> {
             if making.is_internal_edge(part, place, (b - a).normalize_or_zero(), c.normal) {
                 return;
             }
-            let at = (c.t, c.normal, c.distance);
             let key = [p, e, c.edge];
             let depth = making.skin - c.distance;
             let is_deep = depth > making.site.reach.touching && depth <= deepest;
             let known =
                 making.touches.touched(key) || is_deep && making.has_slid_on(key, c.normal, depth);
+            let along = (b - a).normalize_or_zero();
+            let [left, right] = making.flanks(e, corners, c.t);
+            let around = [left, right, along, -along].into_iter();
+            let site = &*making.site;
+            let [v, w] = nodes.map(|i| site.side.state.velocity(i as usize));
+            let way = |point| site.way(v.lerp(w, c.t), &making.frame, point);
+            let kept = (making.skin, &site.reach);
+            if lies_beside(&part.solid, (a.lerp(b, c.t), c.normal), around, kept, way) {
+                return;
+            }
+            let at = (c.t, c.normal, c.distance);
             making.across((key, known), (&nodes, &corners), at, deepest);
         };
         part.solid
