@@ -27,9 +27,13 @@ impl Group {
             attachments,
             ..
         } = self;
-        let mut mend = |members: &mut Members, rows: &Rows, what: (Terms, u32, f64), by: DVec3| {
+        let mut mend = |members: &mut Members,
+                        rows: &Rows,
+                        what: (Terms, u32, f64),
+                        row: Option<usize>,
+                        by: DVec3| {
             let (terms, shadow, taken) = what;
-            let lost = displace(members, &rows.nodes, rows.terms_of(terms), by);
+            let lost = displace(members, rows, (terms, row), by);
             if (shadow as usize)
                 .checked_sub(1)
                 .is_some_and(|i| matches!(touched[i].answer, Answer::Free | Answer::Constrained))
@@ -59,7 +63,8 @@ impl Group {
             }
             let taken = row.response.mass_ratio(row.normal);
             let by = by * row.response.share;
-            let lost = mend(members, rows, (row.terms, row.shadow, taken), by);
+            let what = (row.terms, row.shadow, taken);
+            let lost = mend(members, rows, what, Some(i), by);
             if row.between {
                 let terms = &rows.terms[row.terms.range()];
                 turn(members, &mut rows.nodes, terms, lost, h);
@@ -71,7 +76,7 @@ impl Group {
                 let loose = attachments[tie.attachment as usize].bond.loose;
                 let most = if loose { s.push_out * h } else { length };
                 let by = -towards(tie.error, length.min(most));
-                mend(members, rows, (tie.terms, tie.shadow, 1.0), by);
+                mend(members, rows, (tie.terms, tie.shadow, 1.0), None, by);
             }
         }
     }
@@ -153,8 +158,15 @@ impl Deformable {
 
 /// Moves a point by moving its nodes as an impulse would, books what that adds to the stored energy, and returns what it
 /// takes from the angular momentum. A pinned node stays where it is put.
-fn displace(members: &mut Members, nodes: &[RowNode], terms: &[Term], by: DVec3) -> DVec3 {
-    let response: f64 = terms
+fn displace(
+    members: &mut Members,
+    rows: &Rows,
+    (terms, row): (Terms, Option<usize>),
+    by: DVec3,
+) -> DVec3 {
+    let nodes = &rows.nodes;
+    let response: f64 = rows
+        .terms_of(terms)
         .iter()
         .map(|t| t.weight * t.share * nodes[t.node as usize].inv_mass)
         .sum();
@@ -162,9 +174,10 @@ fn displace(members: &mut Members, nodes: &[RowNode], terms: &[Term], by: DVec3)
     if response <= 0.0 {
         return lost;
     }
-    for term in terms {
-        let node = &nodes[term.node as usize];
+    for term in rows.terms_of(terms) {
+        let node = &rows.nodes[term.node as usize];
         let by = by * (term.share * node.inv_mass / response);
+        let by = row.map_or(by, |row| rows.free_way(row, term.node, by));
         if by == DVec3::ZERO {
             continue;
         }

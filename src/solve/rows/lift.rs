@@ -8,11 +8,46 @@ use crate::law::row::Lift;
 /// something has its weight to lift besides, and other nodes that the body holds.
 const LIFT_IMPULSE: f64 = 6.0;
 
+/// The cosine from which on what is under a node holds it against what presses it down.
+const UNDER: f64 = 0.7;
+
 impl Pass<'_> {
+    /// Finds the rows that are deep, but that no node of theirs can end, and how they lift the body that can: that which the nodes
+    /// are tied to, out of what can't move, see [`Self::prepare_tied_lifts`]; and what presses nodes on what can't move.
+    pub(super) fn prepare_lifts(&mut self, fastest: f64) {
+        if !self.squeezed {
+            return;
+        }
+        self.prepare_tied_lifts(fastest);
+        for i in 0..self.contacts.len() {
+            let row = &self.contacts[i];
+            let sinks = row.depth > 0.0 && row.softness == 0.0 && !row.between;
+            if !sinks || !self.worklist.moves(row.shadow) {
+                continue;
+            }
+            let lies = |term: &Term| {
+                let own = self.squeeze.own(term.node).filter(|own| *own != i);
+                let mut own = own.map(|own| &self.contacts[own]);
+                own.any(|under| {
+                    let holds = !under.between && !self.worklist.moves(under.shadow);
+                    holds && under.depth >= 0.0 && under.normal.dot(row.normal) < -UNDER
+                })
+            };
+            let terms = self.points.terms_of(row.terms).iter();
+            if terms.clone().all(lies) {
+                let shadow = &self.shadows[row.shadow as usize];
+                let mass = inverse(shadow.response(row.arm, row.normal));
+                let speed = (row.depth * LEAD_RATE).min(fastest);
+                let left = LIFT_IMPULSE * speed * mass;
+                self.contacts[i].lift = Lift { speed, left };
+            }
+        }
+    }
+
     /// Finds the rows of which all nodes are tied to a body that can move, and that are deep in what can't, and how they lift
     /// that body. Nodes welded into a body stay in its own colliders, and in those of bodies it is joined to.
-    pub(super) fn prepare_lifts(&mut self, fastest: f64) {
-        if self.ties.is_empty() || !self.squeezed {
+    fn prepare_tied_lifts(&mut self, fastest: f64) {
+        if self.ties.is_empty() {
             return;
         }
         for row in &mut *self.contacts {

@@ -137,6 +137,27 @@ impl Rows {
         self.blow = false;
     }
 
+    /// What of a way \[m\] a node can go for the sake of row `i` without going into rigid bodies that press on it from the other
+    /// side: it is the body of that row that would have to give way.
+    pub fn free_way(&self, i: usize, node: u32, mut way: DVec3) -> DVec3 {
+        if self.contacts.len() <= 1 {
+            return way;
+        }
+        for row in self
+            .squeeze
+            .own(node)
+            .filter(|own| *own != i)
+            .map(|own| &self.contacts[own])
+        {
+            let presses = !row.between && (row.normal_impulse > 0.0 || row.depth > 0.0);
+            let against = row.normal.dot(way);
+            if presses && against < 0.0 {
+                way -= row.normal * against;
+            }
+        }
+        way
+    }
+
     /// Adds a term: a row node, its weight, and how much of an impulse by that weight it takes.
     #[inline(always)]
     pub fn add_term(&mut self, node: u32, weight: f64, share: f64) {

@@ -119,7 +119,7 @@ impl Squeeze {
     }
 
     /// The rows that act on this node alone.
-    fn own(&self, node: u32) -> impl Iterator<Item = usize> + '_ {
+    pub fn own(&self, node: u32) -> impl Iterator<Item = usize> + '_ {
         let link = |i: u32| (i != NONE).then_some(i);
         let first = link(self.first[node as usize]);
         std::iter::successors(first, move |&i| link(self.next[i as usize])).map(|i| i as usize)
