@@ -174,7 +174,8 @@ pub fn velocity(body: &RigidBody, dt: f64) -> (DVec3, DVec3) {
             .interpolate_velocity((1.0 / dt) as f32, body.local_center_of_mass());
             (wide(motion.linvel), wide(motion.angvel))
         }
-        Dynamic if body.is_sleeping() => (DVec3::ZERO, DVec3::ZERO),
+        // Rapier does not move what was told a velocity without being woken.
+        Dynamic | KinematicVelocityBased if body.is_sleeping() => (DVec3::ZERO, DVec3::ZERO),
         Dynamic | KinematicVelocityBased => (wide(body.linvel()), wide(body.angvel())),
         _ => (DVec3::ZERO, DVec3::ZERO),
     }

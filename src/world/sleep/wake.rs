@@ -185,7 +185,8 @@ impl DeformableWorld {
         island.sleepers.iter().all(asleep)
             && island.rigid.iter().all(|(body, pose)| {
                 let rigid = parts.bodies.get(*body);
-                rigid.is_some_and(|b| !moves(b, search.dt) && b.position() == pose)
+                rigid
+                    .is_some_and(|b| b.is_enabled() && !moves(b, search.dt) && b.position() == pose)
             })
             && !island.sleepers.iter().any(disturbed)
     }

@@ -255,3 +255,56 @@ fn pins_on_their_way_wake_their_load() {
         }
     }
 }
+
+/// Symptom: what hung asleep on a body went on hanging when that was switched off.
+#[test]
+fn what_hangs_on_a_body_that_is_switched_off_falls() {
+    for kinematic in [false, true] {
+        let mut world = PhysicsWorld::default();
+        let hook = if kinematic {
+            RigidBodyBuilder::kinematic_position_based()
+        } else {
+            RigidBodyBuilder::fixed()
+        };
+        let hook = world.bodies.insert(hook);
+        let mut set = DeformableWorld::new();
+        let nodes = vec![Node::new(Vector::ZERO, 1.0), Node::new(-Vector::Y, 1.0)];
+        let springs = vec![Spring::new(0, 1, 1000.0).damping(30.0)];
+        let rope = DeformableBuilder::new(Net::new(nodes, springs));
+        let rope = set.insert(rope).unwrap();
+        set.attach(rope, &[NodeId(0)], hook, &world.bodies).unwrap();
+        for _ in 0..600 {
+            set.step(&mut world);
+        }
+        assert!(set[rope].is_sleeping());
+        let before = set[rope].center_of_mass().y;
+        world.bodies[hook].set_enabled(false);
+        for _ in 0..60 {
+            set.step(&mut world);
+        }
+        let fallen = before - set[rope].center_of_mass().y;
+        assert!((4.7..5.1).contains(&fallen), "falls by {fallen} m");
+    }
+}
+
+/// Symptom: a block sank into a kinematic floor that slept and was told a velocity without being woken, which Rapier leaves where it
+/// is.
+#[test]
+fn a_kinematic_floor_asleep_moves_nothing() {
+    let mut world = PhysicsWorld::default();
+    let floor = RigidBodyBuilder::kinematic_velocity_based().translation(Vector::Y * -0.5);
+    let (floor, _) = world.insert(floor, ColliderBuilder::cuboid(5.0, 0.5, 5.0));
+    let mut set = DeformableWorld::new();
+    let soft = set.insert(cube(0.3).translation(Vector::Y * 0.15)).unwrap();
+    for _ in 0..600 {
+        set.step(&mut world);
+    }
+    assert!(world.bodies[floor].is_sleeping());
+    let before = set[soft].center_of_mass();
+    world.bodies[floor].set_linvel(Vector::new(0.5, -0.5, 0.0), false);
+    for _ in 0..60 {
+        set.step(&mut world);
+    }
+    let moved = (set[soft].center_of_mass() - before).length();
+    assert!(moved < 1e-3, "moves by {moved} m");
+}
