@@ -81,8 +81,10 @@ pub fn lies_beside(
     (place, normal): (DVec3, DVec3),
     cone: impl Iterator<Item = DVec3> + Clone,
     (skin, reach): (f64, &Reach),
+    touched: bool,
     way: impl Fn(DVec3) -> DVec3,
 ) -> bool {
+    let lean = if touched { LEAN } else { ROUNDING };
     let is_apart = |n: &DVec3| {
         let over = solid.farthest_over(place, *n);
         over.is_some_and(|(point, over)| {
@@ -90,7 +92,7 @@ pub fn lies_beside(
         })
     };
     let mut directions = upright(cone, normal).into_iter();
-    directions.any(|n| n != DVec3::ZERO && is_apart(&n))
+    directions.any(|n| n.cross(normal).length_squared() > lean * lean && is_apart(&n))
 }
 
 /// How often all of a cone is gone through.
@@ -148,7 +150,7 @@ mod tests {
         let at = |x: f64, y: f64, way: f64| {
             let at = (DVec3::new(x, y, 0.0), DVec3::X);
             let way = |_| DVec3::new(-0.01, way, 0.0);
-            lies_beside(&cube, at, flat.into_iter(), (0.0, &REACH), way)
+            lies_beside(&cube, at, flat.into_iter(), (0.0, &REACH), false, way)
         };
         assert!(at(1.1, -1.00002, 0.0));
         assert!(at(1.1, -0.99995, 0.0));
@@ -161,12 +163,15 @@ mod tests {
     fn a_ball_touches_a_flat_surface_with_its_lowest_point() {
         let ball = Solid::of(&*SharedShape::ball(1.0)).unwrap();
         let flat = [DVec3::X, -DVec3::X, DVec3::Z, -DVec3::Z];
-        let at = |x: f64| {
+        let at = |x: f64, touched| {
             let place = DVec3::new(x, -1.0, 0.0);
             let at = (place, place.normalize());
-            lies_beside(&ball, at, flat.into_iter(), (0.0, &REACH), |_| DVec3::ZERO)
+            lies_beside(&ball, at, flat.into_iter(), (0.0, &REACH), touched, |_| {
+                DVec3::ZERO
+            })
         };
-        assert!(!at(0.0) && at(0.05) && at(0.5));
+        assert!(!at(0.0, false) && at(0.05, false) && at(0.9, false));
+        assert!(!at(0.05, true) && at(0.2, true));
     }
 
     #[test]

@@ -123,7 +123,7 @@ impl Making<'_, '_> {
             let velocity = site.side.state.velocity(i as usize);
             let way = |point| site.way(velocity, frame, point);
             let kept = (target.skin, &site.reach);
-            if lies_beside(solid, (place, normal), around, kept, way) {
+            if lies_beside(solid, (place, normal), around, kept, last.is_some(), way) {
                 return;
             }
         }

@@ -76,7 +76,8 @@ impl Making<'_, '_> {
             let [v, w] = nodes.map(|i| site.side.state.velocity(i as usize));
             let way = |point| site.way(v.lerp(w, c.t), &making.frame, point);
             let kept = (making.skin, &site.reach);
-            if lies_beside(&part.solid, (a.lerp(b, c.t), c.normal), around, kept, way) {
+            let at = (a.lerp(b, c.t), c.normal);
+            if lies_beside(&part.solid, at, around, kept, known, way) {
                 return;
             }
             let at = (c.t, c.normal, c.distance);

@@ -13,11 +13,9 @@ const UNDER: f64 = 0.7;
 
 impl Pass<'_> {
     /// Finds the rows that are deep, but that no node of theirs can end, and how they lift the body that can: that which the nodes
-    /// are tied to, out of what can't move, see [`Self::prepare_tied_lifts`]; and what presses nodes on what can't move.
+    /// are tied to, out of what can't move, see [`Self::prepare_tied_lifts`]; and what presses nodes that are pinned, or lie on what
+    /// can't move.
     pub(super) fn prepare_lifts(&mut self, fastest: f64) {
-        if !self.squeezed {
-            return;
-        }
         self.prepare_tied_lifts(fastest);
         for i in 0..self.contacts.len() {
             let row = &self.contacts[i];
@@ -26,6 +24,12 @@ impl Pass<'_> {
                 continue;
             }
             let lies = |term: &Term| {
+                if self.points.nodes[term.node as usize].inv_mass == 0.0 {
+                    return true;
+                }
+                if !self.squeezed {
+                    return false;
+                }
                 let own = self.squeeze.own(term.node).filter(|own| *own != i);
                 let mut own = own.map(|own| &self.contacts[own]);
                 own.any(|under| {
@@ -47,7 +51,7 @@ impl Pass<'_> {
     /// Finds the rows of which all nodes are tied to a body that can move, and that are deep in what can't, and how they lift
     /// that body. Nodes welded into a body stay in its own colliders, and in those of bodies it is joined to.
     fn prepare_tied_lifts(&mut self, fastest: f64) {
-        if self.ties.is_empty() {
+        if self.ties.is_empty() || !self.squeezed {
             return;
         }
         for row in &mut *self.contacts {
