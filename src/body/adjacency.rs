@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-/// The springs at each node.
+/// The springs, or edges, at each node.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Adjacency {
     firsts: Vec<u32>,

@@ -18,51 +18,58 @@ pub fn can_push(cone: impl IntoIterator<Item = DVec3>, direction: DVec3, touched
 }
 
 /// The directions, at most two, in which the surface around a point can be pushed there and which are nearest to the unit `normal`,
-/// if that is slanted: then a part of the surface goes into what would push it so and a part away from it. 0 for none.
+/// if that is slanted by more than the sine `lean`: then a part of the surface goes into what would push it so and a part away from
+/// it. 0 for none.
 ///
 /// `cone` are unit directions of the surface away from the point, 0 for what is not there. A normal between those of the faces
 /// beside the point is not slanted, nor is one over a hollow that is wrapped round what pushes it.
-pub fn upright(cone: impl Iterator<Item = DVec3> + Clone, normal: DVec3) -> [DVec3; 2] {
+fn upright(cone: &[DVec3], normal: DVec3, lean: f64) -> [DVec3; 2] {
     let range = |n: DVec3| {
-        let along = cone.clone().map(|c| c.dot(n));
+        let along = cone.iter().map(|c| c.dot(n));
         along.fold((0.0_f64, 0.0_f64), |(lo, hi), x| (lo.min(x), hi.max(x)))
     };
     let (lo, hi) = range(normal);
-    if lo >= -ROUNDING || (hi <= ROUNDING && lo > -ACROSS) {
+    if lo >= -lean || (hi <= lean && lo > -ACROSS) {
         return [DVec3::ZERO; 2];
     }
     // Of a surface that stands out here, or is hollow as seen from what pushes it.
     let nearest = |sign: f64| {
         let mut n = normal;
         for _ in 0..SWEEPS {
-            for c in cone.clone() {
+            let before = n;
+            for c in cone {
                 n -= c * (sign * (sign * c.dot(n)).min(0.0));
             }
+            if n == before {
+                break;
+            }
         }
-        let n = n.normalize_or_zero();
-        let (lo, hi) = range(n);
-        if sign * (if sign > 0.0 { lo } else { hi }) >= -ROUNDING {
-            n
+        // Of what is along the surface nothing is left but rounding.
+        let n = if n.length_squared() > ROUNDING * ROUNDING {
+            n.normalize()
         } else {
             DVec3::ZERO
-        }
+        };
+        let (lo, hi) = range(n);
+        let leans = if sign > 0.0 { -lo } else { hi };
+        if leans <= ROUNDING { n } else { DVec3::ZERO }
     };
     let (out, hollow) = (nearest(1.0), nearest(-1.0));
     if out != DVec3::ZERO && out.distance_squared(hollow) > ROUNDING * ROUNDING {
         return [out, hollow];
     }
     // A flat surface has two sides, and what is across them says little of which is meant.
-    let mut rest = cone.clone();
-    let first = rest.next().unwrap_or_default();
-    let across = rest.map(|c| first.cross(c));
-    let across = across.fold(DVec3::ZERO, |a, b| {
+    let first = cone.iter().find(|c| **c != DVec3::ZERO);
+    let first = first.copied().unwrap_or_default();
+    let across = cone.iter().map(|c| first.cross(*c));
+    let longer = |a: DVec3, b: DVec3| {
         if b.length_squared() > a.length_squared() {
             b
         } else {
             a
         }
-    });
-    let across = across.normalize_or_zero();
+    };
+    let across = across.fold(DVec3::ZERO, longer).normalize_or_zero();
     let (lo, hi) = range(across);
     if lo >= -ROUNDING && hi <= ROUNDING {
         [across, -across]
@@ -71,29 +78,40 @@ pub fn upright(cone: impl Iterator<Item = DVec3> + Clone, normal: DVec3) -> [DVe
     }
 }
 
-/// Whether a point of a surface that a solid would push along a slanted `normal`, see [`upright`], lies beside that solid: in some
-/// direction in which the surface can be pushed no point of the solid reaches over it by more than what counts as shallow, `skin` m
+/// Whether a point of a surface that a solid would push along a slanted `normal` lies beside that solid: in some direction in which
+/// the surface can be pushed, see [`upright`], no point of the solid reaches over it by more than what counts as shallow, `skin` m
 /// being kept, nor does it after the point at `place` has gone its `way` relative to that one \[m\]. Then it is a face beside the
 /// point that is touched, if anything is, and a normal force at the point would brake what slides there and turn what rolls: a cube
-/// that slides over a flat sheet does not meet the edges ahead with its side, nor does a ball.
+/// that slides over a flat sheet does not meet the edges ahead with its side, nor does a ball. What `touched` bears something as
+/// yet, and must be slanted more to be left.
+///
+/// `cone` are unit directions of the surface away from the point, 0 for what is not there; more than [`MOST`] are not looked at.
 pub fn lies_beside(
     solid: &Solid,
     (place, normal): (DVec3, DVec3),
-    cone: impl Iterator<Item = DVec3> + Clone,
+    cone: impl Iterator<Item = DVec3>,
     (skin, reach): (f64, &Reach),
     touched: bool,
     way: impl Fn(DVec3) -> DVec3,
 ) -> bool {
-    let lean = if touched { LEAN } else { ROUNDING };
-    let is_apart = |n: &DVec3| {
-        let over = solid.farthest_over(place, *n);
+    let (mut directions, mut count) = ([DVec3::ZERO; MOST], 0);
+    for (to, from) in directions.iter_mut().zip(cone) {
+        *to = from;
+        count += 1;
+    }
+    let is_apart = |n: DVec3| {
+        let over = solid.farthest_over(place, n);
         over.is_some_and(|(point, over)| {
-            skin + over - way(point).dot(*n).min(0.0) <= reach.shallow()
+            skin + over - way(point).dot(n).min(0.0) <= reach.shallow()
         })
     };
-    let mut directions = upright(cone, normal).into_iter();
-    directions.any(|n| n.cross(normal).length_squared() > lean * lean && is_apart(&n))
+    let lean = if touched { LEAN } else { ROUNDING };
+    let across = upright(&directions[..count], normal, lean);
+    across.into_iter().any(|n| n != DVec3::ZERO && is_apart(n))
 }
+
+/// How many directions of a cone are looked at.
+const MOST: usize = 16;
 
 /// How often all of a cone is gone through.
 const SWEEPS: usize = 4;
@@ -113,12 +131,12 @@ mod tests {
         h: 1e-3,
         touching: 1e-5,
         farthest: 0.1,
-        slack: 0.0,
+        slack: 1e-3,
     };
 
     #[test]
     fn what_is_slanted_is_set_upright() {
-        let of = |cone: &[DVec3], n| upright(cone.iter().copied(), n);
+        let of = |cone: &[DVec3], n| upright(cone, n, ROUNDING);
         let slanted = |sine: f64| DVec3::new(sine, -(1.0 - sine * sine).sqrt(), 0.0);
         let none = [DVec3::ZERO; 2];
         let flat = [DVec3::X, -DVec3::X, DVec3::Z, -DVec3::Z];
@@ -138,7 +156,7 @@ mod tests {
         let out = DVec3::new(1.0, 1.0, 0.0).normalize();
         assert_eq!(of(&wrapped, out), none);
         // A border is pushed by what it runs into, not by what lies on its face.
-        let border = [DVec3::X, DVec3::Z, -DVec3::Z];
+        let border = [DVec3::ZERO, DVec3::X, DVec3::Z, -DVec3::Z];
         assert_eq!(of(&border, DVec3::X), none);
         assert!(of(&border, -DVec3::X).iter().all(|n| n.y.abs() == 1.0));
     }

@@ -30,7 +30,7 @@ impl Reach {
 
     /// How deep what lies on a surface may be and still count as lying on it \[m\].
     pub fn shallow(&self) -> f64 {
-        10.0 * self.touching
+        (10.0 * self.touching).min(self.touching + self.slack)
     }
 
     /// How deep a point can have come within the last substep, which may have been longer, if it moves inwards at `speed` m/s \[m\].
@@ -105,11 +105,7 @@ impl Side<'_> {
     }
 
     /// The unit directions in a frame from a point of its surface along the edges there; none of a body without faces.
-    pub fn around(
-        &self,
-        point: u32,
-        frame: &Frame,
-    ) -> impl Iterator<Item = DVec3> + Clone + use<'_> {
+    pub fn around(&self, point: u32, frame: &Frame) -> impl Iterator<Item = DVec3> + use<'_> {
         let edges = self.topology.around.as_ref();
         let edges = edges.map_or(&[][..], |around| around.at(point));
         let (frame, start) = (*frame, frame.to_local(self.state, point));

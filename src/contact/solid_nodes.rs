@@ -118,7 +118,8 @@ impl Making<'_, '_> {
         let key = [0, i, 0];
         let last = self.touches.last(key).copied();
         let same_face = |touch: Touch| normal.dot(touch.normal) > FLAT;
-        if has_features && !last.is_some_and(same_face) {
+        let is_shallow = depth <= site.reach.shallow();
+        if has_features && is_shallow && !last.is_some_and(same_face) {
             let around = site.side.around(i, frame);
             let velocity = site.side.state.velocity(i as usize);
             let way = |point| site.way(velocity, frame, point);

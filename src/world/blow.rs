@@ -118,6 +118,8 @@ impl Group {
             solver.speed_squared = solver.speed_squared.max(square);
         }
         for (shadow, &(v, w)) in self.shadows.iter_mut().zip(&ahead.shadows) {
+            shadow.before.0 += v - shadow.v;
+            shadow.before.1 += w - shadow.w;
             (shadow.v, shadow.w) = (v, w);
         }
         self.look(h, s);

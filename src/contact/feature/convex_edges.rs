@@ -69,6 +69,10 @@ impl Making<'_, '_> {
             let is_deep = depth > making.site.reach.touching && depth <= deepest;
             let known =
                 making.touches.touched(key) || is_deep && making.has_slid_on(key, c.normal, depth);
+            let at = (c.t, c.normal, c.distance);
+            if !making.is_in_reach((&nodes, &corners), at, deepest) {
+                return;
+            }
             let along = (b - a).normalize_or_zero();
             let [left, right] = making.flanks(e, corners, c.t);
             let around = [left, right, along, -along].into_iter();

@@ -131,6 +131,20 @@ impl Making<'_, '_> {
         })
     }
 
+    /// Whether what meets at `t` of an edge is neither too far nor too deep for a row.
+    pub(super) fn is_in_reach(
+        &self,
+        (nodes, corners): (&[u32; 2], &[DVec3; 2]),
+        (t, normal, distance): (f64, DVec3, f64),
+        deepest: f64,
+    ) -> bool {
+        let depth = self.skin - distance;
+        let weights = [1.0 - t, t, 0.0, 0.0];
+        depth >= -self.site.reach.farthest
+            && depth <= deepest
+            && depth >= -self.closing(nodes, corners, &weights, normal)[0]
+    }
+
     /// The row of an edge of the deformable that meets one of the target at `t` of its length, unless it is too far or, for
     /// what is not `known` to touch, too deep.
     pub(super) fn across(

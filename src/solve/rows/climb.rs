@@ -134,9 +134,16 @@ impl Pass<'_> {
         self.excess(i) - self.contacts[i].lift.speed
     }
 
-    /// Whether anything comes deeper at more than `fastest` m/s.
+    /// Whether anything comes deeper at more than `fastest` m/s, or less out of what it is in while there is impulse left to lift it.
     pub fn sinks(&self, fastest: f64) -> bool {
-        (0..self.contacts.len()).any(|i| self.missed(i) < -fastest)
+        let missed = |i: usize| {
+            if self.contacts[i].lift.left > 0.0 {
+                self.missed(i)
+            } else {
+                self.excess(i)
+            }
+        };
+        (0..self.contacts.len()).any(|i| missed(i) < -fastest)
     }
 
     /// Gives a row other impulses.

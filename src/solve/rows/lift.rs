@@ -20,7 +20,12 @@ impl Pass<'_> {
         for i in 0..self.contacts.len() {
             let row = &self.contacts[i];
             let sinks = row.depth > 0.0 && row.softness == 0.0 && !row.between;
-            if !sinks || !self.worklist.moves(row.shadow) {
+            if !sinks || row.rigid_share == 0.0 || !self.worklist.moves(row.shadow) {
+                continue;
+            }
+            let shadow = &self.shadows[row.shadow as usize];
+            let mass = inverse(shadow.response(row.arm, row.normal));
+            if mass == 0.0 {
                 continue;
             }
             let lies = |term: &Term| {
@@ -34,13 +39,12 @@ impl Pass<'_> {
                 let mut own = own.map(|own| &self.contacts[own]);
                 own.any(|under| {
                     let holds = !under.between && !self.worklist.moves(under.shadow);
-                    holds && under.depth >= 0.0 && under.normal.dot(row.normal) < -UNDER
+                    let bottoms = under.depth + row.depth > 0.0;
+                    holds && bottoms && under.normal.dot(row.normal) < -UNDER
                 })
             };
             let terms = self.points.terms_of(row.terms).iter();
             if terms.clone().all(lies) {
-                let shadow = &self.shadows[row.shadow as usize];
-                let mass = inverse(shadow.response(row.arm, row.normal));
                 let speed = (row.depth * LEAD_RATE).min(fastest);
                 let left = LIFT_IMPULSE * speed * mass;
                 self.contacts[i].lift = Lift { speed, left };

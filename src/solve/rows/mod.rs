@@ -137,22 +137,19 @@ impl Rows {
         self.blow = false;
     }
 
-    /// What of a way \[m\] a node can go for the sake of row `i` without going into rigid bodies that press on it from the other
-    /// side: it is the body of that row that would have to give way.
+    /// What of a way \[m\] a node can go for the sake of row `i` without going into what can't move, if the body of row `i`
+    /// can: it is that body that has to give way, see [`Row::lift`].
     pub fn free_way(&self, i: usize, node: u32, mut way: DVec3) -> DVec3 {
-        if self.contacts.len() <= 1 {
+        let moves = |row: &Row| row.response.rigid_along(row.normal) > 0.0;
+        // One row alone is squeezed by nothing, and then nothing has been found of what is.
+        if self.contacts.len() <= 1 || self.contacts[i].between || !moves(&self.contacts[i]) {
             return way;
         }
-        for row in self
-            .squeeze
-            .own(node)
-            .filter(|own| *own != i)
-            .map(|own| &self.contacts[own])
-        {
-            let presses = !row.between && (row.normal_impulse > 0.0 || row.depth > 0.0);
-            let against = row.normal.dot(way);
-            if presses && against < 0.0 {
-                way -= row.normal * against;
+        let others = self.squeeze.own(node).filter(|own| *own != i);
+        for row in others.map(|own| &self.contacts[own]) {
+            let into = row.normal.dot(way) + (-row.depth).max(0.0);
+            if !row.between && !moves(row) && into < 0.0 {
+                way -= row.normal * into;
             }
         }
         way

@@ -272,7 +272,7 @@ fn a_heavy_box_at_rest_has_no_defect() {
 fn a_thick_cloth_on_a_floor_bears_what_lies_on_it() {
     for (name, shape) in [
         ("disc", ColliderBuilder::cylinder(0.1, 0.1)),
-        ("box", cuboid([0.2; 3], 3.0)),
+        ("box", cuboid([0.1; 3], 3.0)),
         ("cone", ColliderBuilder::cone(0.1, 0.1)),
     ] {
         for nodes in [8, 11, 16] {
@@ -294,7 +294,7 @@ fn a_thick_cloth_on_a_floor_bears_what_lies_on_it() {
             }
             let sunk = 0.12 - world.bodies[body].translation().y;
             let what = format!("{name}, {nodes} nodes a side");
-            assert!(sunk < 1e-4, "{what}: sunk by {sunk} m");
+            assert!(sunk.abs() < 1e-4, "{what}: sunk by {sunk} m");
             let lowest = deformables[cloth].positions().map(|p| p.y);
             let lowest = lowest.fold(f32::INFINITY, f32::min);
             assert!(lowest > 0.0098, "{what}: a node at {lowest} m");
