@@ -79,13 +79,13 @@ fn upright(cone: &[DVec3], normal: DVec3, lean: f64) -> [DVec3; 2] {
 }
 
 /// Whether a point of a surface that a solid would push along a slanted `normal` lies beside that solid: in some direction in which
-/// the surface can be pushed, see [`upright`], no point of the solid reaches over it by more than what counts as shallow, `skin` m
+/// the surface can be pushed, see `upright`, no point of the solid reaches over it by more than what counts as shallow, `skin` m
 /// being kept, nor does it after the point at `place` has gone its `way` relative to that one \[m\]. Then it is a face beside the
 /// point that is touched, if anything is, and a normal force at the point would brake what slides there and turn what rolls: a cube
 /// that slides over a flat sheet does not meet the edges ahead with its side, nor does a ball. What `touched` bears something as
 /// yet, and must be slanted more to be left.
 ///
-/// `cone` are unit directions of the surface away from the point, 0 for what is not there; more than [`MOST`] are not looked at.
+/// `cone` are unit directions of the surface away from the point, 0 for what is not there; more than 16 are not looked at.
 pub fn lies_beside(
     solid: &Solid,
     (place, normal): (DVec3, DVec3),
