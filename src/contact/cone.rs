@@ -78,36 +78,57 @@ fn upright(cone: &[DVec3], normal: DVec3, lean: f64) -> [DVec3; 2] {
     }
 }
 
-/// Whether a point of a surface that a solid would push along a slanted `normal` lies beside that solid: in some direction in which
-/// the surface can be pushed, see `upright`, no point of the solid reaches over it by more than what counts as shallow, `skin` m
-/// being kept, nor does it after the point at `place` has gone its `way` relative to that one \[m\]. Then it is a face beside the
-/// point that is touched, if anything is, and a normal force at the point would brake what slides there and turn what rolls: a cube
-/// that slides over a flat sheet does not meet the edges ahead with its side, nor does a ball. What `touched` bears something as
-/// yet, and must be slanted more to be left.
-///
-/// `cone` are unit directions of the surface away from the point, 0 for what is not there; more than 16 are not looked at.
-pub fn lies_beside(
-    solid: &Solid,
-    (place, normal): (DVec3, DVec3),
-    cone: impl Iterator<Item = DVec3>,
-    (skin, reach): (f64, &Reach),
-    touched: bool,
-    way: impl Fn(DVec3) -> DVec3,
-) -> bool {
-    let (mut directions, mut count) = ([DVec3::ZERO; MOST], 0);
-    for (to, from) in directions.iter_mut().zip(cone) {
-        *to = from;
-        count += 1;
+/// A point of a surface that a solid may push along a unit normal, in the solid's frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Pushed {
+    /// Where it is \[m\].
+    pub place: DVec3,
+    /// The direction in which it would be pushed.
+    pub normal: DVec3,
+    /// How deep it is along that \[m\], `skin` m being kept from the solid.
+    pub depth: f64,
+    /// The distance that is kept \[m\].
+    pub skin: f64,
+    /// Whether it touched last.
+    pub touched: bool,
+}
+
+impl Pushed {
+    /// Whether it lies beside the solid, although that would push it in this substep: its normal is slanted, see `upright`, and in some
+    /// direction in which its surface can be pushed no point of the solid reaches over it by more than what counts as shallow, nor
+    /// does after the `way` of this point relative to that one \[m\]. Then it is a face beside the point that is touched, if anything
+    /// is, and a normal force at the point would brake what slides there and turn what rolls: a cube that slides over a flat sheet does
+    /// not meet the edges ahead with its side, nor does a ball. What touched bears something as yet, and must be slanted more to be
+    /// left.
+    ///
+    /// `cone` are unit directions of the surface away from the point, 0 for what is not there; more than 16 are not looked at.
+    pub fn lies_beside<I: Iterator<Item = DVec3>>(
+        &self,
+        solid: &Solid,
+        reach: &Reach,
+        cone: impl FnOnce() -> I,
+        way: impl Fn(DVec3) -> DVec3,
+    ) -> bool {
+        let Self { place, normal, .. } = *self;
+        // What is not reached brakes nothing.
+        if self.depth - way(place).dot(normal) < -reach.shallow() {
+            return false;
+        }
+        let (mut directions, mut count) = ([DVec3::ZERO; MOST], 0);
+        for (to, from) in directions.iter_mut().zip(cone()) {
+            *to = from;
+            count += 1;
+        }
+        let is_apart = |n: DVec3| {
+            let over = solid.farthest_over(place, n);
+            over.is_some_and(|(point, over)| {
+                self.skin + over - way(point).dot(n).min(0.0) <= reach.shallow()
+            })
+        };
+        let lean = if self.touched { LEAN } else { ROUNDING };
+        let across = upright(&directions[..count], normal, lean);
+        across.into_iter().any(|n| n != DVec3::ZERO && is_apart(n))
     }
-    let is_apart = |n: DVec3| {
-        let over = solid.farthest_over(place, n);
-        over.is_some_and(|(point, over)| {
-            skin + over - way(point).dot(n).min(0.0) <= reach.shallow()
-        })
-    };
-    let lean = if touched { LEAN } else { ROUNDING };
-    let across = upright(&directions[..count], normal, lean);
-    across.into_iter().any(|n| n != DVec3::ZERO && is_apart(n))
 }
 
 /// How many directions of a cone are looked at.
@@ -161,32 +182,46 @@ mod tests {
         assert!(of(&border, -DVec3::X).iter().all(|n| n.y.abs() == 1.0));
     }
 
+    /// Whether a point of a flat surface under a solid lies beside it, going `way`.
+    fn on_a_plane(
+        solid: &Solid,
+        (place, normal): (DVec3, DVec3),
+        touched: bool,
+        way: DVec3,
+    ) -> bool {
+        let flat = [DVec3::X, -DVec3::X, DVec3::Z, -DVec3::Z];
+        let pushed = Pushed {
+            place,
+            normal,
+            depth: -solid.signed_distance(place).0,
+            skin: 0.0,
+            touched,
+        };
+        pushed.lies_beside(solid, &REACH, || flat.into_iter(), |_| way)
+    }
+
     #[test]
     fn a_flat_surface_is_under_a_cube_and_not_ahead_of_it() {
         let cube = Solid::of(&*SharedShape::cuboid(1.0, 1.0, 1.0)).unwrap();
-        let flat = [DVec3::X, -DVec3::X, DVec3::Z, -DVec3::Z];
         let at = |x: f64, y: f64, way: f64| {
             let at = (DVec3::new(x, y, 0.0), DVec3::X);
-            let way = |_| DVec3::new(-0.01, way, 0.0);
-            lies_beside(&cube, at, flat.into_iter(), (0.0, &REACH), false, way)
+            on_a_plane(&cube, at, false, DVec3::new(-0.2, way, 0.0))
         };
         assert!(at(1.1, -1.00002, 0.0));
         assert!(at(1.1, -0.99995, 0.0));
         // What stands against its side is held by that, and what is about to.
         assert!(!at(1.1, -0.9, 0.0));
         assert!(!at(1.1, -1.0, 0.01));
+        // What is not reached is not looked at.
+        assert!(!at(1.3, -1.0, 0.0));
     }
 
     #[test]
     fn a_ball_touches_a_flat_surface_with_its_lowest_point() {
         let ball = Solid::of(&*SharedShape::ball(1.0)).unwrap();
-        let flat = [DVec3::X, -DVec3::X, DVec3::Z, -DVec3::Z];
         let at = |x: f64, touched| {
             let place = DVec3::new(x, -1.0, 0.0);
-            let at = (place, place.normalize());
-            lies_beside(&ball, at, flat.into_iter(), (0.0, &REACH), touched, |_| {
-                DVec3::ZERO
-            })
+            on_a_plane(&ball, (place, place.normalize()), touched, -DVec3::X)
         };
         assert!(!at(0.0, false) && at(0.05, false) && at(0.9, false));
         assert!(!at(0.05, true) && at(0.2, true));

@@ -81,12 +81,8 @@ impl Nodes {
     ) {
         match (&target.form, self) {
             (Form::Solid(solid), Self::Solid(nodes)) => {
-                nodes.add_rows(
-                    solid,
-                    (target, pair, features.is_some()),
-                    (frame, way),
-                    site,
-                );
+                let have_features = features.is_some_and(Features::cover_all);
+                nodes.add_rows(solid, (target, pair, have_features), (frame, way), site);
             }
             (Form::Soup(_), Self::Soup(nodes)) => {
                 nodes.add_rows((target, pair, features), frame, site);

@@ -142,8 +142,7 @@ impl Site<'_> {
     /// the last one, in the frame \[m\]: gravity and other forces that contacts will bear are not in it.
     pub fn way(&self, velocity: DVec3, frame: &Frame, point: DVec3) -> DVec3 {
         let arm = frame.axes * point + (frame.position - self.shadow.com);
-        let (v, w) = self.shadow.before;
-        frame.axes.transpose() * (velocity - (v + w.cross(arm))) * self.reach.h
+        frame.axes.transpose() * (velocity - self.shadow.velocity_before(arm)) * self.reach.h
     }
 }
 

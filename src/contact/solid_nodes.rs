@@ -1,6 +1,6 @@
 //! Nodes near a solid, and their rows.
 
-use super::cone::lies_beside;
+use super::cone::Pushed;
 use super::distance::Solid;
 use super::nodes::add;
 use super::roll::Roll;
@@ -35,7 +35,7 @@ impl SolidNodes {
     pub fn add_rows(
         &mut self,
         solid: &Solid,
-        (target, pair, has_features): (&Target, u32, bool),
+        (target, pair, have_features): (&Target, u32, bool),
         (frame, way): (&Frame, f64),
         site: &mut Site,
     ) {
@@ -53,7 +53,7 @@ impl SolidNodes {
                 pair,
                 frame,
                 roll,
-                has_features,
+                have_features,
                 touches,
                 site,
             };
@@ -87,8 +87,8 @@ struct Making<'a, 's> {
     pair: u32,
     frame: &'a Frame,
     roll: Roll,
-    /// Whether faces and edges have rows of their own.
-    has_features: bool,
+    /// Whether the faces and edges of the nodes have rows of their own.
+    have_features: bool,
     touches: &'a mut Touches,
     site: &'a mut Site<'s>,
 }
@@ -101,7 +101,7 @@ impl Making<'_, '_> {
             target,
             frame,
             roll,
-            has_features,
+            have_features,
             ref mut site,
             ..
         } = *self;
@@ -117,14 +117,20 @@ impl Making<'_, '_> {
         }
         let key = [0, i, 0];
         let last = self.touches.last(key).copied();
-        let same_face = |touch: Touch| normal.dot(touch.normal) > FLAT;
+        let same_face = |touch: Touch| normal.dot(touch.normal) > PLANE;
         let is_shallow = depth <= site.reach.shallow();
-        if has_features && is_shallow && !last.is_some_and(same_face) {
-            let around = site.side.around(i, frame);
+        if have_features && is_shallow && !last.is_some_and(same_face) {
+            let pushed = Pushed {
+                place,
+                normal,
+                depth,
+                skin: target.skin,
+                touched: last.is_some(),
+            };
+            let around = || site.side.around(i, frame);
             let velocity = site.side.state.velocity(i as usize);
             let way = |point| site.way(velocity, frame, point);
-            let kept = (target.skin, &site.reach);
-            if lies_beside(solid, (place, normal), around, kept, last.is_some(), way) {
+            if pushed.lies_beside(solid, &site.reach, around, way) {
                 return;
             }
         }
@@ -171,7 +177,7 @@ impl Making<'_, '_> {
 const SAME: f64 = 0.7;
 
 /// Cosine of an angle within which two normals are of one flat face.
-const FLAT: f64 = 1.0 - 1e-12;
+const PLANE: f64 = 1.0 - 1e-12;
 
 /// Whether a node that would go through the tangent plane of the nearest point, `gap` m away, goes past the solid instead, or
 /// over its edge: a plane has no end, but a plate has, and a node that slides over a joint between two boxes, a nanometre

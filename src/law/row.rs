@@ -77,8 +77,9 @@ pub fn push_out(depth: f64, h: f64, rate: f64) -> f64 {
     (0.5 * depth).min(rate * h).max(0.0)
 }
 
-/// How a row lifts a point out of what it is in together with the body that it is tied to, which brings it back from
-/// wherever it is moved at position level: slowly, and with no more impulse than that takes, for the body may be held.
+/// How a row moves a rigid body out of what nodes are in, or out of nodes that can't give way, because they are tied to that body,
+/// pinned, or lie on what can't move: what is moved at position level would be brought back. Slowly, and with no more impulse than
+/// that takes, for the body may be held.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lift {
     /// \[m/s\].

@@ -175,7 +175,7 @@ fn displace(
         return lost;
     }
     for term in rows.terms_of(terms) {
-        let node = &rows.nodes[term.node as usize];
+        let node = &nodes[term.node as usize];
         let by = by * (term.share * node.inv_mass / response);
         let by = row.map_or(by, |row| rows.free_way(row, term.node, by));
         if by == DVec3::ZERO {

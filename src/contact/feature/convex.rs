@@ -21,6 +21,8 @@ const ROUND: f64 = 6.0;
 #[derive(Clone, Debug)]
 pub struct ConvexFeatures {
     pub(super) parts: Vec<Part>,
+    /// Whether these are all parts of the target.
+    pub(super) all_parts: bool,
     points: Vec<DVec3>,
     met: Vec<Met>,
     pub(super) on_faces: Touches,
@@ -30,15 +32,18 @@ pub struct ConvexFeatures {
 impl ConvexFeatures {
     /// The features of a solid that a body with this spacing \[m\] needs; `None` if all its parts are too round to need any.
     pub fn of(solid: &Solid, spacing: f64) -> Option<Self> {
-        let mut parts = Vec::new();
+        let (mut parts, mut all_parts) = (Vec::new(), true);
         solid.for_each_convex(&mut |offset, turn, part| {
             let (lo, hi) = part.bounds();
             if (hi - lo).is_finite() && part.edge_radius() < ROUND * spacing {
                 parts.push(Part::new(offset, turn, part.clone()));
+            } else {
+                all_parts = false;
             }
         });
         (!parts.is_empty()).then_some(Self {
             parts,
+            all_parts,
             points: Vec::new(),
             met: Vec::new(),
             on_faces: Touches::default(),

@@ -4,7 +4,7 @@ use super::making::{BORDER, Making};
 use super::meet::{ALIKE, share_node};
 use super::part::Convex;
 use super::sharp::FLAT;
-use crate::contact::cone::lies_beside;
+use crate::contact::cone::Pushed;
 use crate::contact::distance::Crossing;
 use crate::contact::touches::Key;
 use crate::math::DVec3;
@@ -24,6 +24,33 @@ impl Making<'_, '_> {
         };
         let before = self.touches.deepest_along(normal, ALIKE, is);
         before.is_some_and(|before| depth <= before + self.site.reach.touching)
+    }
+
+    /// Whether the point at which an edge crosses one of the part lies beside it, see [`Pushed::lies_beside`].
+    fn edge_lies_beside(
+        &self,
+        part: &Convex,
+        (e, [a, b]): (u32, [DVec3; 2]),
+        c: &Crossing,
+        known: bool,
+    ) -> bool {
+        let site = &*self.site;
+        let nodes = site.side.topology.edges[e as usize];
+        let [v, w] = nodes.map(|i| site.side.state.velocity(i as usize));
+        let way = |point| site.way(v.lerp(w, c.t), &self.frame, point);
+        let around = || {
+            let along = (b - a).normalize_or_zero();
+            let [left, right] = self.flanks(e, [a, b], c.t);
+            [left, right, along, -along].into_iter()
+        };
+        let pushed = Pushed {
+            place: a.lerp(b, c.t),
+            normal: c.normal,
+            depth: self.skin - c.distance,
+            skin: self.skin,
+            touched: known,
+        };
+        pushed.lies_beside(&part.solid, &site.reach, around, way)
     }
 
     /// An edge against the part: where it crosses the part's edges and round corners, and where it comes nearest to a round side.
@@ -70,22 +97,12 @@ impl Making<'_, '_> {
             let known =
                 making.touches.touched(key) || is_deep && making.has_slid_on(key, c.normal, depth);
             let at = (c.t, c.normal, c.distance);
-            if !making.is_in_reach((&nodes, &corners), at, deepest) {
-                return;
+            let point = making.across(known, (&nodes, &corners), at, deepest);
+            if let Some(point) = point
+                && !making.edge_lies_beside(part, (e, corners), &c, known)
+            {
+                making.add(key, point);
             }
-            let along = (b - a).normalize_or_zero();
-            let [left, right] = making.flanks(e, corners, c.t);
-            let around = [left, right, along, -along].into_iter();
-            let site = &*making.site;
-            let [v, w] = nodes.map(|i| site.side.state.velocity(i as usize));
-            let way = |point| site.way(v.lerp(w, c.t), &making.frame, point);
-            let kept = (making.skin, &site.reach);
-            let at = (a.lerp(b, c.t), c.normal);
-            if lies_beside(&part.solid, at, around, kept, known, way) {
-                return;
-            }
-            let at = (c.t, c.normal, c.distance);
-            making.across((key, known), (&nodes, &corners), at, deepest);
         };
         part.solid
             .for_each_crossing(a, b, most, &mut |c| cross(self, c));

@@ -74,7 +74,7 @@ pub(super) struct Making<'a, 's> {
 }
 
 /// A point of a face or an edge that meets the target, in its frame.
-struct Point<'a> {
+pub(super) struct Point<'a> {
     nodes: &'a [u32],
     corners: &'a [DVec3],
     weights: [f64; 4],
@@ -131,45 +131,28 @@ impl Making<'_, '_> {
         })
     }
 
-    /// Whether what meets at `t` of an edge is neither too far nor too deep for a row.
-    pub(super) fn is_in_reach(
-        &self,
-        (nodes, corners): (&[u32; 2], &[DVec3; 2]),
-        (t, normal, distance): (f64, DVec3, f64),
-        deepest: f64,
-    ) -> bool {
-        let depth = self.skin - distance;
-        let weights = [1.0 - t, t, 0.0, 0.0];
-        depth >= -self.site.reach.farthest
-            && depth <= deepest
-            && depth >= -self.closing(nodes, corners, &weights, normal)[0]
-    }
-
-    /// The row of an edge of the deformable that meets one of the target at `t` of its length, unless it is too far or, for
+    /// The point of an edge of the deformable that meets one of the target at `t` of its length, unless it is too far for a row or, for
     /// what is not `known` to touch, too deep.
-    pub(super) fn across(
-        &mut self,
-        (key, known): (Key, bool),
-        (nodes, corners): (&[u32; 2], &[DVec3; 2]),
+    pub(super) fn across<'a>(
+        &self,
+        known: bool,
+        (nodes, corners): (&'a [u32; 2], &'a [DVec3; 2]),
         (t, normal, distance): (f64, DVec3, f64),
         deepest: f64,
-    ) {
+    ) -> Option<Point<'a>> {
         let depth = self.skin - distance;
         if depth < -self.site.reach.farthest || depth > deepest {
-            return;
+            return None;
         }
         let weights = [1.0 - t, t, 0.0, 0.0];
         let [reach, come] = self.closing(nodes, corners, &weights, normal);
-        if depth >= -reach && (known || depth <= come) {
-            let point = Point {
-                nodes,
-                corners,
-                weights,
-                normal,
-                depth,
-            };
-            self.add(key, point);
-        }
+        (depth >= -reach && (known || depth <= come)).then_some(Point {
+            nodes,
+            corners,
+            weights,
+            normal,
+            depth,
+        })
     }
 
     /// How deep a point can be behind a face and still belong to it \[m\].
@@ -270,7 +253,8 @@ impl Making<'_, '_> {
         self.frame.axes * point + (self.frame.position - self.site.shadow.com)
     }
 
-    fn add(&mut self, key: Key, point: Point) {
+    /// The row of a point.
+    pub(super) fn add(&mut self, key: Key, point: Point) {
         // Both sides take the impulse at one point, that of the deformable, or angular momentum would be lost.
         let touched = weigh(&point.weights, point.corners.iter().copied());
         let arm = self.arm(touched);

@@ -191,7 +191,6 @@ impl Making<'_, '_> {
         let slid_on = last.is_some();
         let can_push = |flanks: [DVec3; 2], way| can_push(flanks, way, touched || slid_on);
         if can_push(flanks, -normal) && can_push(edge.flanks(), normal) {
-            let before = self.site.rows.contacts.len();
             let distance = way.dot(normal);
             // About as deep as what it has slid on from: else that is beyond a thin part.
             let slid = || {
@@ -201,8 +200,8 @@ impl Making<'_, '_> {
             };
             let known = touched || last.is_some() && slid();
             let at = (t, normal, distance);
-            self.across((key, known), (&nodes, &corners), at, self.deepest_point());
-            if self.site.rows.contacts.len() > before {
+            if let Some(point) = self.across(known, (&nodes, &corners), at, self.deepest_point()) {
+                self.add(key, point);
                 // What touches may be deeper next time.
                 return 0.0;
             }

@@ -49,6 +49,14 @@ impl Features {
         }
     }
 
+    /// Whether all of the target has rows of faces and edges, or some part of it is so round that nodes alone touch it.
+    pub fn cover_all(&self) -> bool {
+        match self {
+            Self::Convex(features) => features.all_parts,
+            Self::Sharp(_) => true,
+        }
+    }
+
     /// Forgets what touches and all distances.
     pub fn forget(&mut self) {
         match self {

@@ -134,7 +134,8 @@ impl Pass<'_> {
         self.excess(i) - self.contacts[i].lift.speed
     }
 
-    /// Whether anything comes deeper at more than `fastest` m/s, or less out of what it is in while there is impulse left to lift it.
+    /// Whether anything comes deeper at more than `fastest` m/s, or is lifted by that much slower than it is to be although it has
+    /// impulse left for it.
     pub fn sinks(&self, fastest: f64) -> bool {
         let missed = |i: usize| {
             if self.contacts[i].lift.left > 0.0 {

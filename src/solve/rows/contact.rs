@@ -123,7 +123,7 @@ pub struct Row {
     pub friction_impulse: DVec3,
     /// What the pass makes of it.
     pub response: Response,
-    /// How it takes the body along that holds its nodes.
+    /// How it moves the body that holds its nodes, or that presses on nodes which can't give way.
     pub lift: Lift,
 }
 
