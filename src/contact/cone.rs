@@ -96,10 +96,10 @@ pub struct Pushed {
 impl Pushed {
     /// Whether it lies beside the solid, although that would push it in this substep: its normal is slanted, see `upright`, and in some
     /// direction in which its surface can be pushed no point of the solid reaches over it by more than what counts as shallow, nor
-    /// does after the `way` of this point relative to that one \[m\]. Then it is a face beside the point that is touched, if anything
-    /// is, and a normal force at the point would brake what slides there and turn what rolls: a cube that slides over a flat sheet does
-    /// not meet the edges ahead with its side, nor does a ball. What touched bears something as yet, and must be slanted more to be
-    /// left.
+    /// does after the `way` of this point relative to that one \[m\] while the solid makes its `turn` \[rad\]. Then it is a face beside
+    /// the point that is touched, if anything is, and a normal force at the point would brake what slides there and turn what rolls:
+    /// a cube that slides over a flat sheet does not meet the edges ahead with its side, nor does a ball. What touched bears something
+    /// as yet, and must be slanted more to be left.
     ///
     /// `cone` are unit directions of the surface away from the point, 0 for what is not there; more than 16 are not looked at.
     pub fn lies_beside<I: Iterator<Item = DVec3>>(
@@ -107,7 +107,7 @@ impl Pushed {
         solid: &Solid,
         reach: &Reach,
         cone: impl FnOnce() -> I,
-        way: impl Fn(DVec3) -> DVec3,
+        (way, turn): (impl Fn(DVec3) -> DVec3, DVec3),
     ) -> bool {
         let Self { place, normal, .. } = *self;
         // What is not reached brakes nothing.
@@ -121,9 +121,13 @@ impl Pushed {
         }
         let is_apart = |n: DVec3| {
             let over = solid.farthest_over(place, n);
-            over.is_some_and(|(point, over)| {
-                self.skin + over - way(point).dot(n).min(0.0) <= reach.shallow()
-            })
+            let is_now = over.is_some_and(|over| self.skin + over.dot(n) <= reach.shallow());
+            // The point that is farthest when the solid has turned.
+            let over = solid.farthest_over(place, n + n.cross(turn));
+            is_now
+                && over.is_some_and(|over| {
+                    self.skin + (over - way(place + over)).dot(n) <= reach.shallow()
+                })
         };
         let lean = if self.touched { LEAN } else { ROUNDING };
         let across = upright(&directions[..count], normal, lean);
@@ -182,12 +186,12 @@ mod tests {
         assert!(of(&border, -DVec3::X).iter().all(|n| n.y.abs() == 1.0));
     }
 
-    /// Whether a point of a flat surface under a solid lies beside it, going `way`.
+    /// Whether a point of a flat surface under a solid lies beside it, as it goes and turns.
     fn on_a_plane(
         solid: &Solid,
         (place, normal): (DVec3, DVec3),
         touched: bool,
-        way: DVec3,
+        (way, turn): (DVec3, DVec3),
     ) -> bool {
         let flat = [DVec3::X, -DVec3::X, DVec3::Z, -DVec3::Z];
         let pushed = Pushed {
@@ -197,16 +201,18 @@ mod tests {
             skin: 0.0,
             touched,
         };
-        pushed.lies_beside(solid, &REACH, || flat.into_iter(), |_| way)
+        let way = |p: DVec3| way - turn.cross(p);
+        pushed.lies_beside(solid, &REACH, || flat.into_iter(), (way, turn))
     }
 
     #[test]
     fn a_flat_surface_is_under_a_cube_and_not_ahead_of_it() {
         let cube = Solid::of(&*SharedShape::cuboid(1.0, 1.0, 1.0)).unwrap();
-        let at = |x: f64, y: f64, way: f64| {
+        let at_turning = |x: f64, y: f64, way: f64, turn: DVec3| {
             let at = (DVec3::new(x, y, 0.0), DVec3::X);
-            on_a_plane(&cube, at, false, DVec3::new(-0.2, way, 0.0))
+            on_a_plane(&cube, at, false, (DVec3::new(-0.2, way, 0.0), turn))
         };
+        let at = |x, y, way| at_turning(x, y, way, DVec3::ZERO);
         assert!(at(1.1, -1.00002, 0.0));
         assert!(at(1.1, -0.99995, 0.0));
         // What stands against its side is held by that, and what is about to.
@@ -214,6 +220,10 @@ mod tests {
         assert!(!at(1.1, -1.0, 0.01));
         // What is not reached is not looked at.
         assert!(!at(1.3, -1.0, 0.0));
+        // A corner comes down, whichever way it tips.
+        for turn in [DVec3::Z, -DVec3::Z, DVec3::X, -DVec3::X] {
+            assert!(!at_turning(1.1, -1.0, 0.0, 0.01 * turn));
+        }
     }
 
     #[test]
@@ -221,7 +231,8 @@ mod tests {
         let ball = Solid::of(&*SharedShape::ball(1.0)).unwrap();
         let at = |x: f64, touched| {
             let place = DVec3::new(x, -1.0, 0.0);
-            on_a_plane(&ball, (place, place.normalize()), touched, -DVec3::X)
+            let way = (-DVec3::X, DVec3::ZERO);
+            on_a_plane(&ball, (place, place.normalize()), touched, way)
         };
         assert!(!at(0.0, false) && at(0.05, false) && at(0.9, false));
         assert!(!at(0.05, true) && at(0.2, true));

@@ -52,6 +52,11 @@ impl Roll {
         }
     }
 
+    /// By how much its surface turns in h s \[rad\].
+    pub fn turn(&self, h: f64) -> DVec3 {
+        self.swing * h
+    }
+
     /// For a node that slides on its surface, which is flat at `arm`.
     pub fn under_node(&self, normal: DVec3, arm: DVec3) -> Turn {
         let off = arm - self.centre;

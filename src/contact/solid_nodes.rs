@@ -130,7 +130,8 @@ impl Making<'_, '_> {
             let around = || site.side.around(i, frame);
             let velocity = site.side.state.velocity(i as usize);
             let way = |point| site.way(velocity, frame, point);
-            if pushed.lies_beside(solid, &site.reach, around, way) {
+            let turn = frame.axes.transpose() * roll.turn(site.reach.h);
+            if pushed.lies_beside(solid, &site.reach, around, (way, turn)) {
                 return;
             }
         }

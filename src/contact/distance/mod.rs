@@ -168,9 +168,9 @@ impl Solid {
         Some((self.support(n)? - p).dot(n))
     }
 
-    /// The point that reaches farthest over `p` along a unit `n`, and how far \[m\]; of voxels that of their box. `None` for
-    /// half-spaces, which reach anywhere.
-    pub fn farthest_over(&self, p: DVec3, n: DVec3) -> Option<(DVec3, f64)> {
+    /// From `p` to the point that reaches farthest over it in a direction, which need not be a unit vector \[m\]; of voxels that of
+    /// their box. `None` for half-spaces, which reach anywhere.
+    pub fn farthest_over(&self, p: DVec3, n: DVec3) -> Option<DVec3> {
         let farthest = match &self.core {
             Core::Compound(_) => {
                 let mut farthest = None;
@@ -191,7 +191,7 @@ impl Solid {
             }
             _ => self.support(n),
         };
-        farthest.map(|point| (point, (point - p).dot(n)))
+        farthest.map(|point| point - p)
     }
 
     /// The point farthest in a direction, which need not be a unit vector \[m\]; `None` for compounds, voxels and half-spaces.

@@ -50,7 +50,8 @@ impl Making<'_, '_> {
             skin: self.skin,
             touched: known,
         };
-        pushed.lies_beside(&part.solid, &site.reach, around, way)
+        let turn = self.frame.axes.transpose() * self.roll.turn(site.reach.h);
+        pushed.lies_beside(&part.solid, &site.reach, around, (way, turn))
     }
 
     /// An edge against the part: where it crosses the part's edges and round corners, and where it comes nearest to a round side.
