@@ -1,7 +1,7 @@
 //! What is remembered of each touched rigid body between steps: its response ratio, and what lay on it when it fell
 //! asleep.
 
-use crate::math::DVec3;
+use crate::math::{DQuat, DVec3};
 
 /// Memory of one rigid body.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +22,9 @@ pub struct BodyMemory {
     pub supported: bool,
     /// Whether any node lay within 2 mm of it when last looked.
     pub near: bool,
+    /// By how much its shadow is off, of what rests on rigid bodies: its centre of mass \[m\], and its orientation as an angle times
+    /// an axis \[rad\].
+    pub offset: (DVec3, DVec3),
     /// The last step in which a deformable could touch it.
     pub seen: u64,
 }
@@ -59,10 +62,16 @@ impl Default for BodyMemory {
             baseline: None,
             supported: false,
             near: false,
+            offset: Default::default(),
             seen: 0,
         }
     }
 }
+
+/// How fast a shadow goes to where its body is \[1/s\]: as fast as Rapier parts what overlaps.
+const REUNION: f64 = 10.0;
+/// How far off it can be, in length units and as an angle \[rad\].
+const APART: (f64, f64) = (5e-4, 5e-3);
 
 /// Averaging time of the load \[s\].
 const LOAD_TIME: f64 = 0.05;
@@ -96,6 +105,29 @@ impl BodyMemory {
             response.about = learn(response.about, turned, free_turn);
             self.response = Some(response);
         }
+    }
+
+    /// A body that rests on others has come to lie elsewhere than its shadow, which lies by `miss` m and a `turn` from it now and goes
+    /// to it in its own time. For Rapier's contacts give way to what presses harder than in the step before, shadows' do not, and
+    /// what a deformable is pressed by because of that presses back in the next step. Where it is so stiff that a body would swing
+    /// on it within a step or two, that is the more the longer it goes on: a stack of boxes dances, and creeps.
+    pub fn keep_apart(&mut self, miss: DVec3, turn: DVec3, length_unit: f64, dt: f64) {
+        let keep = (-REUNION * dt).exp();
+        let (far, turned) = APART;
+        self.offset = (
+            miss.clamp_length_max(far * length_unit) * keep,
+            turn.clamp_length_max(turned) * keep,
+        );
+    }
+
+    /// Puts its shadow where it was left, `com` and `rot` being those of the body.
+    pub fn apart(&self, com: DVec3, rot: DQuat) -> (DVec3, DQuat) {
+        let (miss, turn) = self.offset;
+        if self.offset == Default::default() {
+            return (com, rot);
+        }
+        let turn = DQuat::from_scaled_axis(turn);
+        (com + miss, (turn * rot).normalize())
     }
 
     /// Follows the body through a step of `dt` s, and says whether it must wake: the load on it has changed by more than

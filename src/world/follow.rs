@@ -1,13 +1,47 @@
 //! Attached nodes follow their rigid bodies to where Rapier's own step has left these.
 
 use super::attach::frame;
-use super::group::Ends;
+use super::group::{Ends, Touched};
 use super::{Deformable, DeformableWorld, RapierParts};
+use crate::contact::target::wide_rotation;
 use crate::coupling::attach::{Hold, Part, Point};
-use crate::math::DVec3;
+use crate::coupling::flight::rotation_vector;
+use crate::coupling::observe::Answer;
+use crate::math::{DVec3, wide};
+use crate::solve::shadow::Shadow;
 use std::collections::BTreeMap;
 
 impl DeformableWorld {
+    /// Leaves the shadow of what rests on rigid bodies where it is after Rapier's step of `dt` s, see [`BodyMemory::keep_apart`].
+    /// What hangs on joints or holds nodes is where its shadow begins the next step.
+    pub(super) fn leave_shadow(
+        &mut self,
+        parts: &RapierParts,
+        touched: &Touched,
+        end: &Shadow,
+        dt: f64,
+    ) {
+        let Some(memory) = self.memory.get_mut(&touched.body.into_raw_parts()) else {
+            return;
+        };
+        let body = parts.bodies.get(touched.body);
+        let Some(body) = body.filter(|b| !b.is_sleeping()) else {
+            return;
+        };
+        let mut joints = parts.impulse_joints.attached_joints(touched.body);
+        let mut bonds = self.attachments.iter();
+        let rests = touched.answer == Answer::Constrained
+            && joints.next().is_none()
+            && !bonds.any(|(_, b)| b.body() == Some(touched.body) && !b.is_broken());
+        if rests {
+            let turn = end.rot * wide_rotation(*body.rotation()).inverse();
+            let miss = end.com - wide(body.center_of_mass());
+            memory.keep_apart(miss, rotation_vector(turn), parts.length_unit(), dt);
+        } else {
+            memory.offset = Default::default();
+        }
+    }
+
     /// Brings held points to where Rapier's own step has left their rigid bodies, which shadows know only to the extent that
     /// joints and contacts answered as they did before. Positions alone: it completes the way over which the attachment has
     /// worked, so it is booked as work received from the body. The rate is unlimited; what was moved from outside is not

@@ -67,7 +67,10 @@ impl Origins<'_> {
             let memory = self.memory.entry(handle.into_raw_parts()).or_default();
             observe::response(handle, body, answer, memory, around, self.dt)
         };
-        let start = observe::shadow(body, answer, &mobility, response, around, self.dt);
+        let mut start = observe::shadow(body, answer, &mobility, response, around, self.dt);
+        if let Some(memory) = self.memory.get(&handle.into_raw_parts()) {
+            (start.com, start.rot) = memory.apart(start.com, start.rot);
+        }
         group.touched.push(Touched {
             body: handle,
             answer,

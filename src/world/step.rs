@@ -270,6 +270,7 @@ impl DeformableWorld {
             {
                 self.report.coupling_defect += handover::after_step(body, &pending, &end, memory);
             }
+            self.leave_shadow(parts, &touched, &end, dt);
         }
         self.follow_rigid_bodies(parts, &ends);
         self.watch_sleepers(parts, dt);
