@@ -27,7 +27,7 @@ const MOST: f64 = 16.0;
 /// A miss of less is none, in length units, of what hangs on joints: they pass on every impulse that corrects it.
 const SMALL: f64 = 2e-5;
 /// And of what only rests on others: in each step the same, it lifts a body off its shadow by 24 times as much.
-const SMALL_AT_REST: f64 = 1e-6;
+const SMALL_AT_REST: f64 = 5e-6;
 /// Passes over the rigid contacts in one of Rapier's solver iterations, and the relative change that counts as settled.
 const PASSES: usize = 12;
 const SETTLED: f64 = 1e-3;
