@@ -75,6 +75,12 @@ impl DeformableWorld {
         };
         let com = com.unwrap_or_default();
         self.wake_attached(deformable, target);
+        // Its nodes are held where the body is, not where its shadow was.
+        if let AttachTo::Body(body) = target
+            && let Some(memory) = self.memory.get_mut(&body.into_raw_parts())
+        {
+            memory.offset = Default::default();
+        }
         Ok(AttachmentHandle(self.attachments.insert(Bond {
             deformable,
             target,
