@@ -184,6 +184,24 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_shadow_goes_to_its_body_and_is_never_far_off() {
+        let mut memory = BodyMemory::default();
+        let (com, rot) = (DVec3::new(1.0, 2.0, 3.0), DQuat::from_rotation_x(0.3));
+        assert_eq!(memory.apart(com, rot), (com, rot));
+        memory.keep_apart(DVec3::X, DVec3::Y, 1.0, 0.0);
+        let (off, turned) = memory.apart(com, rot);
+        assert!((off - com).distance(DVec3::X * APART.0) < 1e-12);
+        let turn = (turned * rot.inverse()).to_scaled_axis();
+        assert!(turn.distance(DVec3::Y * APART.1) < 1e-9, "{turn}");
+        for _ in 0..100 {
+            let (miss, turn) = memory.offset;
+            memory.keep_apart(miss, turn, 1.0, 1e-3);
+        }
+        let left = APART.0 * (-1.0_f64).exp();
+        assert!((memory.offset.0.length() - left).abs() < 1e-9 * left);
+    }
+
+    #[test]
     fn what_a_floor_holds_up_can_still_be_pushed_along() {
         let mut memory = BodyMemory {
             response: Some(Response::all(0.2)),

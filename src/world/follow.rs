@@ -1,4 +1,5 @@
-//! Attached nodes follow their rigid bodies to where Rapier's own step has left these.
+//! What follows rigid bodies to where Rapier's own step has left these: attached nodes at once, shadows of what rests in their own
+//! time.
 
 use super::attach::frame;
 use super::group::{Ends, Touched};
@@ -13,7 +14,8 @@ use std::collections::BTreeMap;
 
 impl DeformableWorld {
     /// Leaves the shadow of what rests on rigid bodies where it is after Rapier's step of `dt` s, see [`BodyMemory::keep_apart`].
-    /// What hangs on joints or holds nodes is where its shadow begins the next step.
+    /// The shadow of what hangs on joints or holds nodes begins the next step where the body is, for joints and nodes would stretch; that
+    /// of a sleeper stays, or what lies on it would be moved.
     pub(super) fn leave_shadow(
         &mut self,
         parts: &RapierParts,

@@ -26,7 +26,8 @@ const ROUNDS: usize = 8;
 const MOST: f64 = 16.0;
 /// A miss of less is none, in length units, of what hangs on joints: they pass on every impulse that corrects it.
 const SMALL: f64 = 2e-5;
-/// And of what only rests on others: in each step the same, it lifts a body off its shadow by 24 times as much.
+/// And of what rests on others without a joint: the same miss in every step adds up to 24 times as much between the body and its
+/// shadow, at 240 steps a second, see [`BodyMemory::keep_apart`](crate::coupling::memory::BodyMemory::keep_apart).
 const SMALL_AT_REST: f64 = 5e-6;
 /// Passes over the rigid contacts in one of Rapier's solver iterations, and the relative change that counts as settled.
 const PASSES: usize = 12;
