@@ -2,7 +2,7 @@
 //! time.
 
 use super::attach::frame;
-use super::group::{Ends, Touched};
+use super::group::{BodyKey, Ends, Touched};
 use super::{Deformable, DeformableWorld, RapierParts};
 use crate::contact::target::wide_rotation;
 use crate::coupling::attach::{Hold, Part, Point};
@@ -10,17 +10,18 @@ use crate::coupling::flight::rotation_vector;
 use crate::coupling::observe::Answer;
 use crate::math::{DVec3, wide};
 use crate::solve::shadow::Shadow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 impl DeformableWorld {
     /// Leaves the shadow of what rests on rigid bodies where it is after Rapier's step of `dt` s, see [`BodyMemory::keep_apart`].
     /// The shadow of what hangs on joints or holds nodes begins the next step where the body is, for joints and nodes would stretch; that
-    /// of a sleeper stays, or what lies on it would be moved.
+    /// of a sleeper stays, or what lies on it would be moved. `holding` are the bodies that hold nodes.
     pub(super) fn leave_shadow(
         &mut self,
         parts: &RapierParts,
         touched: &Touched,
         end: &Shadow,
+        holding: &BTreeSet<BodyKey>,
         dt: f64,
     ) {
         let Some(memory) = self.memory.get_mut(&touched.body.into_raw_parts()) else {
@@ -31,10 +32,9 @@ impl DeformableWorld {
             return;
         };
         let mut joints = parts.impulse_joints.attached_joints(touched.body);
-        let mut bonds = self.attachments.iter();
         let rests = touched.answer == Answer::Constrained
             && joints.next().is_none()
-            && !bonds.any(|(_, b)| b.body() == Some(touched.body) && !b.is_broken());
+            && !holding.contains(&touched.body.into_raw_parts());
         if rests {
             let turn = end.rot * wide_rotation(*body.rotation()).inverse();
             let miss = end.com - wide(body.center_of_mass());

@@ -17,7 +17,7 @@ use super::substep::Group;
 use crate::coupling::handover::{Split, Wrench};
 use crate::coupling::observe::Answer;
 use crate::math::{DMat3, DVec3};
-use crate::solve::rows::solve_between_shadows;
+use crate::solve::rows::BetweenShadows;
 use crate::solve::shadow::Shadow;
 
 /// How often a split is corrected at most.
@@ -72,12 +72,13 @@ impl Group {
             small[shadow as usize] = SMALL * parts.length_unit();
         }
         let share = (iterations as f64 + 1.0) / (2.0 * iterations as f64);
+        let mut between = self.rows.between_shadows();
+        // With one iteration Rapier gives force and impulse the same displacement: nothing to split.
         for _ in 0..ROUNDS {
-            // With one iteration Rapier gives force and impulse the same displacement: nothing to split.
             if share >= 1.0 || trials.iter().all(|p| !p.corrects) {
                 break;
             }
-            let reached = self.rehearse(&trials, (iterations, share), dt);
+            let reached = self.rehearse(&trials, &mut between, (iterations, share), dt);
             let ends = self.shadows[1..].iter().zip(&reached[1..]);
             for ((trial, (end, reached)), small) in trials.iter_mut().zip(ends).zip(&small[1..]) {
                 if trial.corrects {
@@ -93,6 +94,7 @@ impl Group {
     fn rehearse(
         &self,
         trials: &[Trial],
+        between: &mut BetweenShadows,
         (iterations, share): (usize, f64),
         dt: f64,
     ) -> Vec<Shadow> {
@@ -113,20 +115,12 @@ impl Group {
             shadow.spin_up += rest.w;
             shadows.push(shadow);
         }
-        let mut rows = self.rows.rigid.clone();
-        for row in &mut rows {
-            (row.normal_impulse, row.friction_impulse) = Default::default();
-            row.gap = row.gap_at_start;
-        }
-        let mut joints = self.rows.joints.clone();
-        for row in &mut joints {
-            row.impulses = Default::default();
-        }
+        between.restart();
         for _ in 0..iterations {
             for shadow in &mut shadows[1..] {
                 shadow.accelerate(h);
             }
-            solve_between_shadows(&mut rows, &mut joints, &mut shadows, (h, PASSES, SETTLED));
+            between.solve(&mut shadows, (h, PASSES, SETTLED));
             for shadow in &mut shadows[1..] {
                 shadow.advance(h);
             }
@@ -137,10 +131,8 @@ impl Group {
             shadow.take(late.0, late.1);
         }
         // Joints will pass on what came late; contacts may not be there any more.
-        for row in &mut joints {
-            row.impulses = Default::default();
-        }
-        solve_between_shadows(&mut [], &mut joints, &mut shadows, (h, PASSES, SETTLED));
+        between.restart_joints();
+        between.solve_joints(&mut shadows, (h, PASSES, SETTLED));
         shadows
     }
 }

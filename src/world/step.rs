@@ -243,6 +243,9 @@ impl DeformableWorld {
     fn hand_over(&mut self, parts: &mut RapierParts, dt: f64) {
         self.steps += 1;
         let mut ends = Ends::new();
+        let bonds = self.attachments.iter().filter(|(_, b)| !b.is_broken());
+        let holding = bonds.filter_map(|(_, b)| b.body());
+        let holding = holding.map(RigidBodyHandle::into_raw_parts).collect();
         for Waiting {
             touched,
             end,
@@ -270,7 +273,7 @@ impl DeformableWorld {
             {
                 self.report.coupling_defect += handover::after_step(body, &pending, &end, memory);
             }
-            self.leave_shadow(parts, &touched, &end, dt);
+            self.leave_shadow(parts, &touched, &end, &holding, dt);
         }
         self.follow_rigid_bodies(parts, &ends);
         self.watch_sleepers(parts, dt);

@@ -127,6 +127,15 @@ impl Rows {
         self.composites.of_shadow(shadow).is_some()
     }
 
+    /// Its contacts and joints of shadows, prepared for the shadows as they are.
+    pub fn between_shadows(&self) -> BetweenShadows {
+        BetweenShadows {
+            contacts: self.rigid.clone(),
+            joints: self.joints.clone(),
+            answers: self.answers.clone(),
+        }
+    }
+
     /// Forgets the rows of a substep, keeping the memory.
     pub fn clear(&mut self) {
         self.nodes.clear();
@@ -297,15 +306,57 @@ impl Rows {
     }
 }
 
-/// Solves contacts and joints of shadows alone in a substep of h s, in at most `passes` passes, until a pass changes no
-/// impulse by more than a share of `tolerance`.
-pub fn solve_between_shadows(
+/// Contacts and joints of shadows alone, for a rehearsal of a rigid step.
+pub struct BetweenShadows {
+    contacts: Vec<RigidRow>,
+    joints: Vec<JointRow>,
+    answers: Answers,
+}
+
+impl BetweenShadows {
+    /// Back to the start of the rigid step, where no row has given anything yet.
+    pub fn restart(&mut self) {
+        for row in &mut self.contacts {
+            (row.normal_impulse, row.friction_impulse) = Default::default();
+            row.gap = row.gap_at_start;
+        }
+        self.restart_joints();
+    }
+
+    /// Joints have given nothing yet.
+    pub fn restart_joints(&mut self) {
+        for row in &mut self.joints {
+            row.impulses = Default::default();
+        }
+    }
+
+    /// Solves a substep of h s in at most `passes` passes, until a pass changes no impulse by more than a share of
+    /// `tolerance`.
+    pub fn solve(&mut self, shadows: &mut [Shadow], limits: Limits) {
+        let (h, ..) = limits;
+        start_rigid(&mut self.contacts, shadows, h, &mut self.answers);
+        solve_in_passes(&mut self.contacts, &mut self.joints, shadows, limits);
+        for row in &mut self.contacts {
+            row.end(shadows, h);
+        }
+    }
+
+    /// The same of the joints alone.
+    pub fn solve_joints(&mut self, shadows: &mut [Shadow], limits: Limits) {
+        solve_in_passes(&mut [], &mut self.joints, shadows, limits);
+    }
+}
+
+/// Length of a substep \[s\], most passes, and the share by which a pass changes impulses that are settled.
+type Limits = (f64, usize, f64);
+
+/// Solves these rows in passes, one after the other.
+fn solve_in_passes(
     contacts: &mut [RigidRow],
     joints: &mut [JointRow],
     shadows: &mut [Shadow],
-    (h, passes, tolerance): (f64, usize, f64),
+    (h, passes, tolerance): Limits,
 ) {
-    start_rigid(contacts, shadows, h, &mut Answers::default());
     for row in &mut *joints {
         row.start(shadows, h);
     }
@@ -324,9 +375,6 @@ pub fn solve_between_shadows(
         if !changed {
             break;
         }
-    }
-    for row in contacts {
-        row.end(shadows, h);
     }
 }
 
