@@ -186,6 +186,20 @@ pub enum BuildError {
         /// The shortest substep the budget allows \[s\].
         min_h: f64,
     },
+    /// No stable substep fits the budget, and it is the drag that asks for such short ones.
+    #[error(
+        "a drag of {drag} N·s/m on nodes of {mass} kg needs substeps of {needed_h:e} s, shorter than the {min_h:e} s allowed; lower it, make the lightest nodes heavier, or allow more substeps with `Substeps`"
+    )]
+    UnstableDrag {
+        /// The drag \[N·s/m\].
+        drag: Real,
+        /// Mass of the lightest node that is not pinned \[kg\].
+        mass: Real,
+        /// The longest stable substep \[s\].
+        needed_h: f64,
+        /// The shortest substep the budget allows \[s\].
+        min_h: f64,
+    },
     /// No stable substep of a solid fits the budget.
     #[error(
         "tet {tet} (E = {young} Pa, ν = {poisson}, ρ = {density} kg/m³, {volume:e} m³) needs substeps of {needed_h:e} s, shorter than the {min_h:e} s allowed; lower its stiffness or damping, make the smallest tets larger, or allow more substeps with `Substeps`"

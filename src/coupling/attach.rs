@@ -173,8 +173,8 @@ pub struct Bond<D> {
     pub(crate) by_pins: Load,
     /// Elastic energy in the springs of a link \[J\].
     pub energy: f64,
-    /// By how much each point of a link moved relative to its anchor in the last substep, as rows left it \[m\]; none before the
-    /// first. A length, for substeps differ in theirs.
+    /// By how much each point of a link moved relative to its anchor in the last substep, as seen from the body and as rows left it
+    /// \[m\]; none before the first. A length, for substeps differ in theirs.
     pub(crate) moved: Vec<DVec3>,
     /// How long that one was \[s\].
     pub(crate) moved_in: f64,
@@ -287,6 +287,11 @@ impl<D> Bond<D> {
                 shadow.rot * (point.anchor - self.com)
             };
             let error = if between { at } else { at - (shadow.com + arm) };
+            let arm = match self.hold {
+                // Where its node is: there a damper sees no motion of what turns as a whole, and gives no moment from nowhere.
+                Hold::Link { .. } if !between => arm + error,
+                _ => arm,
+            };
             let ahead = chord * arm;
             let mut tie = Tie {
                 terms: rows.terms_since(first),

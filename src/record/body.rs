@@ -84,7 +84,7 @@ impl BodyRecord {
             ledger: Vec::new(),
             closure: Closure::default(),
             mass: body.mass(),
-            start: body.momentum_before_sleep(),
+            start: body.momentum() + body.momentum_lost_in_sleep(),
             sums: [DVec3::ZERO; 3],
             scale: 0.0,
             next: time,
@@ -133,11 +133,16 @@ impl BodyRecord {
             self.next = (self.next + sampling.history).max(s.time);
             self.sample(body, s.time);
         }
-        if s.time >= self.next_ledger - 1.0e-9 {
+        if self.balances(s.time) {
             self.next_ledger = (self.next_ledger + sampling.energy).max(s.time);
             self.balance(body, s.time);
         }
         due
+    }
+
+    /// Whether energies are due at `time` s.
+    pub(super) fn balances(&self, time: f64) -> bool {
+        time >= self.next_ledger - 1.0e-9
     }
 
     fn channel(&mut self, interface: Interface) -> &mut Channel {
@@ -155,7 +160,7 @@ impl BodyRecord {
             .push(time, body.center_of_mass(), momentum / self.mass);
         let (lo, hi) = body.bounds();
         self.bounds.push([lo, hi]);
-        let change = body.momentum_before_sleep() - self.start;
+        let change = momentum + body.momentum_lost_in_sleep() - self.start;
         self.closure = Closure {
             contact: self.sums[0],
             attachment: self.sums[1],

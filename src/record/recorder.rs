@@ -242,6 +242,17 @@ impl Observer for Recorder {
         }
     }
 
+    fn wants_springs(
+        &self,
+        time: f64,
+        deformables: &[(DeformableHandle, Box<Deformable>)],
+    ) -> bool {
+        deformables.iter().any(|(handle, _)| {
+            let known = self.bodies.iter().find(|b| b.deformable == *handle);
+            known.is_none_or(|record| record.balances(time))
+        })
+    }
+
     fn event(&mut self, event: &SpringEvent) {
         match event.kind {
             SpringEventKind::YieldBegan => self.yielded += 1,

@@ -59,9 +59,34 @@ impl Deformable {
                 Err(BuildError::NeverStable { integrator, spring })
             }
             (_, Some(_)) if stable.never => Err(BuildError::NeverStableSolid { integrator }),
+            _ if is_short && self.longest_by_drag() <= 2.0 * stable.h => {
+                Err(self.unstable_by_drag(stable.h, min_h))
+            }
             (Some(spring), _) if is_short => Err(self.unstable(spring, stable.h, min_h)),
             (_, Some(tet)) if is_short => Err(self.unstable_tet(tet, stable.h, min_h)),
             _ => Ok(()),
+        }
+    }
+
+    /// The longest stable substep of a body that nothing but its drag acts on \[s\].
+    fn longest_by_drag(&self) -> f64 {
+        let rate = f64::from(self.drag()) / f64::from(self.lightest());
+        self.integrator().stable_step(0.0, rate, f64::INFINITY)
+    }
+
+    /// Mass of the lightest node that is not pinned \[kg\].
+    fn lightest(&self) -> Real {
+        let pairs = self.state.particles.iter().zip(&self.blueprint.nodes);
+        let free = pairs.filter(|(p, _)| p.inv_mass > 0.0);
+        free.map(|(_, n)| n.mass).fold(Real::INFINITY, Real::min)
+    }
+
+    fn unstable_by_drag(&self, needed_h: f64, min_h: f64) -> BuildError {
+        BuildError::UnstableDrag {
+            drag: self.drag(),
+            mass: self.lightest(),
+            needed_h,
+            min_h,
         }
     }
 

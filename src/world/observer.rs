@@ -23,6 +23,16 @@ pub trait Observer: Send {
     fn wants_substeps(&self) -> bool {
         true
     }
+    /// Whether [`Self::substep`] is to find in the bodies what their springs have flowed by `time`, the end of the substep \[s\]: for
+    /// energies, tensions and lengths at rest. Bringing these up to date costs time; without it they are those of an earlier
+    /// substep, while positions and velocities are always those of `time`. Asked before every call.
+    fn wants_springs(
+        &self,
+        _time: f64,
+        _deformables: &[(DeformableHandle, Box<Deformable>)],
+    ) -> bool {
+        true
+    }
     /// Whether [`Substep::node_impulses`] are wanted, which costs time; asked in every substep.
     fn wants_node_impulses(&self) -> bool {
         false
@@ -33,6 +43,9 @@ pub trait Observer: Send {
 impl Observer for () {
     fn substep(&mut self, _: &Substep) {}
     fn wants_substeps(&self) -> bool {
+        false
+    }
+    fn wants_springs(&self, _: f64, _: &[(DeformableHandle, Box<Deformable>)]) -> bool {
         false
     }
 }

@@ -160,7 +160,7 @@ impl Group {
         if !self.freeze_broken() {
             return false;
         }
-        if observer.wants_substeps() {
+        if observer.wants_springs(time, &self.members) {
             self.settle();
         }
         self.report(h, time, observer);

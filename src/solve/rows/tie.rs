@@ -17,7 +17,7 @@ pub struct Tie {
     pub attachment: u32,
     /// Whether it lies between two deformables.
     pub between: bool,
-    /// From the shadow's centre of mass to the anchor \[m\].
+    /// From the shadow's centre of mass to the anchor, of a link to its point \[m\].
     pub arm: DVec3,
     /// Point minus anchor \[m\].
     pub error: DVec3,

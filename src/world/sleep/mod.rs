@@ -61,9 +61,9 @@ impl Deformable {
         self.sleep.slow_for = 0.0;
     }
 
-    /// Its momentum, with what falling asleep has taken from it so far \[N·s\].
-    pub(crate) fn momentum_before_sleep(&self) -> DVec3 {
-        self.momentum() + self.sleep.lost
+    /// What of its momentum falling asleep has taken so far \[N·s\].
+    pub(crate) fn momentum_lost_in_sleep(&self) -> DVec3 {
+        self.sleep.lost
     }
 
     /// Whether it may sleep.

@@ -554,3 +554,31 @@ fn rates_beyond_all_numbers_are_refused() {
     let refused = matches!(error, BuildError::UnstableTet { .. });
     assert!(refused, "{error:?}");
 }
+
+/// Where no spring is to blame for it, and where springs are that need no short substeps.
+#[test]
+fn a_drag_that_no_substep_bears_is_refused() {
+    let pair = Net::new(
+        vec![Node::new(Vector::ZERO, 1.0), Node::new(Vector::X, 0.125)],
+        vec![Spring::new(0, 1, 100.0)],
+    );
+    let builders = [
+        ("a point", bead(0.01).drag(1e8), 0.01),
+        ("a pair", DeformableBuilder::new(pair).drag(1e8), 0.125),
+    ];
+    for (what, builder, lightest) in builders {
+        let mut set = DeformableWorld::default();
+        let refused = set.insert(builder.clone()).unwrap_err();
+        let BuildError::UnstableDrag { drag, mass, .. } = refused else {
+            panic!("{what}: {refused:?}");
+        };
+        assert_eq!((drag, mass), (1e8, lightest), "{what}");
+        let body = set.insert(builder.drag(0.1)).unwrap();
+        let changed = set[body].set_drag(1e8);
+        assert!(
+            matches!(changed, Err(BuildError::UnstableDrag { .. })),
+            "{what}: {changed:?}"
+        );
+        assert_eq!(set[body].drag(), 0.1, "{what}");
+    }
+}

@@ -3,6 +3,7 @@
 use crate::fixtures::floored;
 use crate::support::{close, weightless};
 use crumple::body::{Net, Node, Spring};
+use crumple::math::DVec3;
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
 use crumple::world::Energies;
@@ -259,5 +260,46 @@ fn anchors_stay_where_they_are_on_the_body() {
             assert!(on_body.length() < 1e-5, "{what}, {hold}: at {on_body}");
             assert!(speed < 1e-5, "{what}, {hold}: {speed} m/s");
         }
+    }
+}
+
+/// A bead on a damped link of a body, both turning freely about their common centre: the link stretches until it bears the
+/// bead, and then nothing in it moves, so nothing is lost any more.
+#[test]
+fn a_damped_link_takes_no_spin_from_what_turns_as_a_whole() {
+    for damping in [5.0_f32, 50.0] {
+        let (spin, lever) = (20.0_f32, 0.2_f32);
+        let mut world = weightless(1.0 / 240.0);
+        let shape = ColliderBuilder::cuboid(0.05, 0.05, 0.05).mass(2.0);
+        let body = RigidBodyBuilder::dynamic().angvel(Vector::Z * spin);
+        let (body, _) = world.insert(body.can_sleep(false), shape);
+        let mut set = DeformableWorld::default();
+        let net = Net::new(vec![Node::new(Vector::X * lever, 0.5)], vec![]);
+        let bead = DeformableBuilder::new(net).linvel(Vector::Y * (spin * lever));
+        let bead = set.insert(bead).unwrap();
+        let link = Attachment::link([NodeId(0)], 2e3).damping(damping);
+        set.attach(bead, link, body, &world.bodies).unwrap();
+        let now = |set: &DeformableWorld, world: &PhysicsWorld| {
+            let rigid = &world.bodies[body];
+            let (at, v) = (rigid.center_of_mass().as_dvec3(), rigid.linvel().as_dvec3());
+            let inertia = f64::from(rigid.mass_properties().local_mprops.principal_inertia().z);
+            let own = inertia * f64::from(rigid.angvel().z);
+            own + (2.0 * at.cross(v)).z + set[bead].angular_momentum(DVec3::ZERO).z
+        };
+        let start = now(&set, &world);
+        for _ in 0..480 {
+            set.step(&mut world);
+        }
+        let settled = set[bead].energies().dissipated();
+        for _ in 0..480 {
+            set.step(&mut world);
+        }
+        let lost = set[bead].energies().dissipated() - settled;
+        let energy = 0.5 * start * f64::from(spin);
+        assert!(
+            lost.abs() < 1e-3 * energy,
+            "{damping}: lost {lost} of {energy} J"
+        );
+        close("angular momentum [N·m·s]", now(&set, &world), start, 1e-3);
     }
 }
