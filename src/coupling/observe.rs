@@ -137,7 +137,7 @@ pub fn shadow(
     shadow.spin_up = mobility.spin_up * about;
     let own = matches!(answer, Answer::Free | Answer::Constrained);
     if own {
-        shadow.lead = (displacement_share(body, around.parameters) - 0.5) * dt;
+        shadow.lead = Some((displacement_share(body, around.parameters) - 0.5) * dt);
     }
     shadow.damping = (body.linear_damping().into(), body.angular_damping().into());
     if own && body.gyroscopic_forces_enabled() {

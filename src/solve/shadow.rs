@@ -34,9 +34,9 @@ pub struct Shadow {
     pub acceleration: DVec3,
     /// Angular acceleration by user torques \[rad/s²\], scaled likewise.
     pub spin_up: DVec3,
-    /// Half the length of Rapier's solver iterations \[s\], see [`Self::synchronise`]; 0 for what is not free or
-    /// is driven by a motor.
-    pub lead: f64,
+    /// By how much its velocity stands before its position \[s\], see [`Self::synchronise`]: half of Rapier's solver iterations, 0 for
+    /// what is led on a course; `None` for what is not free or is driven by a motor.
+    pub lead: Option<f64>,
     /// By how much its velocity is ahead of Rapier's because of that \[m/s\].
     pub ahead: DVec3,
     /// Linear and angular damping \[1/s\].
@@ -87,7 +87,7 @@ impl Shadow {
         principal: (DQuat::IDENTITY, DVec3::ZERO),
         acceleration: DVec3::ZERO,
         spin_up: DVec3::ZERO,
-        lead: 0.0,
+        lead: None,
         ahead: DVec3::ZERO,
         damping: (0.0, 0.0),
         late_torque: DVec3::ZERO,
@@ -185,11 +185,24 @@ impl Shadow {
     /// where Rapier ends it, and a supported body does not creep. The hand-over takes it back by itself: it gives momentum,
     /// not velocity.
     pub fn synchronise(&mut self, h: f64) {
-        if self.lead > 0.0 {
-            self.ahead = self.acceleration * (self.lead - 0.5 * h);
+        if let Some(lead) = self.lead {
+            self.ahead = self.acceleration * (lead - 0.5 * h);
             self.v += self.ahead;
-            self.before.0 = self.v;
+            if !self.gives_way() {
+                self.w -= self.spin_up * (0.5 * h);
+            }
+            self.before = (self.v, self.w);
         }
+    }
+
+    /// Leads it through a step of `dt` s at the mean velocities that it has, on a course on which they change at these rates
+    /// \[m/s², rad/s²\]. It turns about an axis that is fixed but for what the rates make of it.
+    pub fn lead_on(&mut self, (acceleration, spin_up): (DVec3, DVec3), dt: f64) {
+        (self.acceleration, self.spin_up) = (acceleration, spin_up);
+        self.v -= acceleration * (0.5 * dt);
+        self.w -= spin_up * (0.5 * dt);
+        self.before = (self.v, self.w);
+        self.lead = Some(0.0);
     }
 
     /// First half of a substep: forces and damping.

@@ -55,7 +55,7 @@ impl Group {
             }
         }
         for (shadow, _) in self.shadows.iter_mut().zip(driven).filter(|(_, d)| *d) {
-            shadow.lead = 0.0;
+            shadow.lead = None;
         }
     }
 

@@ -1,5 +1,6 @@
 //! A deformable body in the world: blueprint, state, solver and settings, and the face through which users read it.
 
+use super::course::NodeCourses;
 use super::motion::{Books, Start};
 use super::params::{DeformableParameters, Substeps};
 use super::sleep::Sleep;
@@ -38,6 +39,8 @@ pub struct Deformable {
     pub(super) node_forces: Vec<(Vector, Vector)>,
     /// Nodes led to a point of the world by the end of the coming step.
     pub(super) led: Vec<(u32, DVec3)>,
+    /// How led nodes have moved.
+    pub(super) courses: NodeCourses,
     /// Where gravity potential is zero \[m\].
     pub(super) datum: DVec3,
     /// Maps nodes to row nodes within a substep.

@@ -3,6 +3,7 @@
 mod dissolve;
 mod form;
 
+use super::kinematic::Courses;
 use super::substep::Group;
 use crate::coupling::constraints::RigidConstraints;
 use crate::coupling::handover;
@@ -46,6 +47,8 @@ pub(super) struct Origins<'a> {
     pub memory: &'a mut BTreeMap<BodyKey, BodyMemory>,
     pub constraints: &'a RigidConstraints,
     pub around: &'a Surroundings<'a>,
+    /// Of kinematic bodies.
+    pub courses: &'a Courses,
     /// Length of the rigid step \[s\].
     pub dt: f64,
 }
@@ -68,6 +71,9 @@ impl Origins<'_> {
             observe::response(handle, body, answer, memory, around, self.dt)
         };
         let mut start = observe::shadow(body, answer, &mobility, response, around, self.dt);
+        if let Some(course) = self.courses.get(&handle.into_raw_parts()) {
+            start.lead_on(course.bend, self.dt);
+        }
         if let Some(memory) = self.memory.get(&handle.into_raw_parts()) {
             (start.com, start.rot) = memory.apart(start.com, start.rot);
         }

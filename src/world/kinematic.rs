@@ -1,39 +1,115 @@
-//! Position-based kinematic bodies while a frame is cut into several Rapier steps.
+//! Position-based kinematic bodies: how they move within a frame, while it is cut into several Rapier steps.
 
-use crate::math::Pose;
-use rapier3d::dynamics::{RigidBodyHandle, RigidBodySet};
+use super::course::{Course, off_line};
+use super::group::BodyKey;
+use crate::contact::target::wide_rotation;
+use crate::coupling::flight::rotation_vector;
+use crate::math::{DQuat, DVec3, Pose, narrow, wide};
+use rapier3d::dynamics::{RigidBody, RigidBodyHandle, RigidBodySet, RigidBodyType};
+use std::collections::BTreeMap;
 
-/// Where position-based kinematic bodies go in a frame of several Rapier steps: a part of the way in each, the last one
+/// What is remembered of the courses of kinematic bodies.
+pub(super) type Courses = BTreeMap<BodyKey, BodyCourse>;
+
+/// What is remembered of one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
+pub(super) struct BodyCourse {
+    /// Where it was to be at the end of the last frame: elsewhere something else has moved it.
+    end: Pose,
+    /// The rates at which its velocities change in the frame under way \[m/s², rad/s²\].
+    pub bend: (DVec3, DVec3),
+    linear: Course,
+    angular: Course,
+}
+
+/// One body's way through a frame.
+struct Way {
+    body: RigidBodyHandle,
+    start: Pose,
+    end: Pose,
+    /// Acceleration \[m/s²\] and angular acceleration \[rad/s²\] on it.
+    bend: (DVec3, DVec3),
+}
+
+/// Where position-based kinematic bodies go in a frame of `dt` s: a part of the way in each of several Rapier steps, the last one
 /// exactly to the user's target.
-pub(super) struct KinematicTargets(Vec<(RigidBodyHandle, Pose, Pose)>);
+pub(super) struct KinematicTargets {
+    ways: Vec<Way>,
+    dt: f64,
+}
 
 impl KinematicTargets {
-    pub fn read(bodies: &RigidBodySet, steps: usize) -> Self {
-        if steps == 1 {
-            return Self(Vec::new());
+    /// The ways of those that move, and what is remembered of them for the next frame.
+    pub fn read(bodies: &RigidBodySet, courses: &mut Courses, dt: f64) -> Self {
+        let mut followed = Courses::new();
+        let is_led = |b: &RigidBody| b.body_type() == RigidBodyType::KinematicPositionBased;
+        let led = bodies.iter().filter(|(_, b)| is_led(b) && b.is_enabled());
+        let mut ways = Vec::new();
+        for (body, b) in led {
+            let (start, end) = (*b.position(), *b.next_position());
+            let key = body.into_raw_parts();
+            let known = courses.get(&key).filter(|c| c.end == start);
+            if start == end && known.is_none() {
+                continue;
+            }
+            let mut course = known.copied().unwrap_or(BodyCourse {
+                end,
+                bend: Default::default(),
+                linear: Course::default(),
+                angular: Course::default(),
+            });
+            course.end = end;
+            let turn = wide_rotation(end.rotation) * wide_rotation(start.rotation).inverse();
+            let way = wide(end.translation) - wide(start.translation);
+            course.bend = (
+                course.linear.go_on(way / dt, dt),
+                course.angular.go_on(rotation_vector(turn) / dt, dt),
+            );
+            if !(course.linear.is_over() && course.angular.is_over()) {
+                followed.insert(key, course);
+            }
+            ways.push(Way {
+                body,
+                start,
+                end,
+                bend: course.bend,
+            });
         }
-        Self(
-            bodies
-                .iter()
-                .filter(|(_, b)| {
-                    b.body_type() == rapier3d::dynamics::RigidBodyType::KinematicPositionBased
-                })
-                .filter(|(_, b)| b.position() != b.next_position())
-                .map(|(h, b)| (h, *b.position(), *b.next_position()))
-                .collect(),
-        )
+        *courses = followed;
+        Self { ways, dt }
     }
 
+    /// Tells the bodies where to go in one of `steps` Rapier steps, counted from 1.
     pub fn set(&self, bodies: &mut RigidBodySet, step: usize, steps: usize) {
-        for (handle, start, end) in &self.0 {
+        if steps == 1 {
+            return;
+        }
+        for way in self.ways.iter().filter(|w| w.start != w.end) {
+            let share = step as f64 / steps as f64;
             let pose = if step == steps {
-                *end
+                way.end
             } else {
-                start.lerp(end, step as f32 / steps as f32)
+                way.at(share, self.dt)
             };
-            if let Some(body) = bodies.get_mut(*handle) {
+            if let Some(body) = bodies.get_mut(way.body) {
                 body.set_next_kinematic_position(pose);
             }
         }
+    }
+}
+
+impl Way {
+    /// Where the body is after a share of a frame of `dt` s.
+    fn at(&self, share: f64, dt: f64) -> Pose {
+        let mut pose = self.start.lerp(&self.end, share as f32);
+        let off = off_line(self.bend.0, dt, share);
+        let turned = DQuat::from_scaled_axis(off_line(self.bend.1, dt, share));
+        pose.translation += narrow(off);
+        pose.rotation = (turned * wide_rotation(pose.rotation)).as_quat();
+        pose
     }
 }

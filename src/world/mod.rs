@@ -7,6 +7,7 @@ mod blow;
 mod budget;
 mod builder;
 mod constraints;
+mod course;
 mod debug;
 #[cfg(feature = "debug-render")]
 mod debug_backend;
@@ -150,6 +151,8 @@ pub struct DeformableWorld {
     warned: Vec<ColliderHandle>,
     /// The step of a `before_step` that waits for its other half \[s\].
     half_done: Option<f64>,
+    /// How kinematic bodies have moved.
+    courses: kinematic::Courses,
     /// What Rapier's BVH knows.
     known: reach::Known,
     /// Who touches whom.

@@ -41,8 +41,9 @@ pub(super) struct Stir {
 }
 
 impl Deformable {
-    /// Fills the solver's forces from outside for the coming rigid step, and leads its kinematic nodes for `remaining` s.
-    pub(super) fn prepare(&mut self, gravity: Vector, remaining: f64) {
+    /// Fills the solver's forces from outside for the coming rigid step, and leads its kinematic nodes: by how long it is till the end
+    /// of the frame \[s\], and how long this step is.
+    pub(super) fn prepare(&mut self, gravity: Vector, (remaining, dt): (f64, f64)) {
         self.cache.forget();
         self.solver.kernel = self.defaults.kernel;
         let gravity = (gravity * self.gravity_scale).to_array();
@@ -58,8 +59,9 @@ impl Deformable {
                 .iter()
                 .map(|(kept, once)| (*kept + *once).to_array()),
         );
-        let led: Vec<(usize, DVec3)> = self.led_velocities(remaining).collect();
+        let led: Vec<(usize, DVec3)> = self.led_velocities(remaining, dt).collect();
         self.lead_nodes(&led);
+        self.courses.begin(&led, dt);
         self.solver.speed_squared = self.max_speed_squared();
     }
 
@@ -84,26 +86,40 @@ impl Deformable {
         self.solver.work.external += after - before;
     }
 
-    /// The velocities by which led nodes get to their targets within `remaining` s \[m/s\].
-    fn led_velocities(&self, remaining: f64) -> impl Iterator<Item = (usize, DVec3)> + '_ {
+    /// The velocities of led nodes in the next `dt` s of the `remaining` s in which they get to their targets \[m/s\].
+    fn led_velocities(&self, remaining: f64, dt: f64) -> impl Iterator<Item = (usize, DVec3)> + '_ {
         self.led.iter().map(move |&(node, target)| {
-            let node = node as usize;
-            (node, (target - self.state.position(node)) / remaining)
+            let mean = (target - self.state.position(node as usize)) / remaining;
+            (
+                node as usize,
+                self.courses.mean(node, mean, (remaining, dt)),
+            )
         })
+    }
+
+    /// Finds how the velocities of led nodes change within a frame of `dt` s.
+    pub(super) fn bend_courses(&mut self, dt: f64) {
+        let led = self.led.iter();
+        let led = led.map(|(node, target)| (*node, [self.state.position(*node as usize), *target]));
+        self.courses.go_on(led, dt);
     }
 
     /// Velocities of all nodes in a step to come, over which led ones are led in `lead` s \[m/s\].
     pub(super) fn coming_velocities(&self, lead: Option<f64>) -> Vec<DVec3> {
         let velocity = |i| self.state.velocity(i);
         let mut velocities: Vec<DVec3> = (0..self.node_count()).map(velocity).collect();
-        let led = lead.into_iter().flat_map(|lead| self.led_velocities(lead));
+        let led = lead
+            .into_iter()
+            .flat_map(|lead| self.led_velocities(lead, lead));
         led.for_each(|(node, v)| velocities[node] = v);
         velocities
     }
 
     /// Largest speed of any node in such a step \[m/s\].
     pub(super) fn coming_speed(&self, lead: Option<f64>) -> f64 {
-        let led = lead.into_iter().flat_map(|lead| self.led_velocities(lead));
+        let led = lead
+            .into_iter()
+            .flat_map(|lead| self.led_velocities(lead, lead));
         led.map(|(_, v)| v.length())
             .fold(self.max_speed(), f64::max)
     }
@@ -112,6 +128,9 @@ impl Deformable {
     pub(super) fn begin(&mut self, h: f64) {
         if self.integrator() == Integrator::SymplecticEuler {
             self.set_back(h);
+        }
+        for (node, v) in self.courses.substep(h) {
+            self.state.set_velocity(node, v);
         }
         self.told.clear();
     }
@@ -129,6 +148,13 @@ impl Deformable {
             self.start.work = self.solver.work;
         }
         self.free_motion(h);
+        if self.integrator() == Integrator::SymplecticEuler {
+            // As in `lead_nodes`, by the forces at the instant of the change.
+            for (node, change) in self.courses.changes() {
+                let power = self.solver.elastic_force(node).dot(change);
+                self.solver.work.external += 0.5 * h * power;
+            }
+        }
     }
 
     /// Velocities of symplectic Euler stand half a substep before the positions. Those that were set are meant for the

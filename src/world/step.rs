@@ -53,9 +53,12 @@ impl DeformableWorld {
         }
         self.begin_touches();
         self.wake_sleepers_in_the_way(&mut RapierParts::from(&mut *world), dt);
+        let targets = KinematicTargets::read(&world.bodies, &mut self.courses, dt);
+        for (_, body) in self.bodies.iter_mut() {
+            body.bend_courses(dt);
+        }
         let steps = self.rigid_steps(&RapierParts::from(&mut *world), dt);
         self.report.rigid_steps = steps;
-        let targets = KinematicTargets::read(&world.bodies, steps);
         let mut parameters = world.integration_parameters;
         parameters.dt = (dt / steps as f64) as f32;
         parameters.normalized_contact_recycle_distance = parameters
@@ -91,6 +94,11 @@ impl DeformableWorld {
             self.wake_on_new_gravity(parts);
             self.wake_islands(parts, dt);
             self.begin_touches();
+            // A single step to the targets leads straight to them.
+            self.courses.clear();
+            for (_, body) in self.bodies.iter_mut() {
+                body.courses.clear();
+            }
             self.report.rigid_steps = 1;
             self.wake_sleepers_in_the_way(parts, dt);
             self.advance(parts, dt, dt, dt, observer);
@@ -203,7 +211,7 @@ impl DeformableWorld {
             body.state.recentre(parts.length_unit());
             body.solver.time = self.time;
             body.back_up();
-            body.prepare(parts.gravity, left);
+            body.prepare(parts.gravity, (left, dt));
         }
         let advance = Advance {
             time: self.time,

@@ -40,10 +40,12 @@ impl DeformableWorld {
         let group_of = self.join(&reaches, &meetings, &constraints, &around);
         let handles: Vec<DeformableHandle> = reaches.iter().map(|r| r.handle).collect();
         let mut memory = std::mem::take(&mut self.memory);
+        let courses = std::mem::take(&mut self.courses);
         let mut origins = Origins {
             memory: &mut memory,
             constraints: &constraints,
             around: &around,
+            courses: &courses,
             dt,
         };
         let far = 0.01 * parts.length_unit();
@@ -52,7 +54,7 @@ impl DeformableWorld {
         for group in groups.values_mut() {
             group.find_rigid_constraints(&mut origins);
         }
-        self.memory = memory;
+        (self.memory, self.courses) = (memory, courses);
         self.resume_encounters(&mut groups, &group_of, &handles, &meetings);
         groups.into_values().collect()
     }

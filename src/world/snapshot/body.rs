@@ -11,6 +11,7 @@ use crate::solve::fem::{Model, Part};
 use crate::solve::forces::Forces;
 use crate::solve::work::Work;
 use crate::solve::{Integrator, Solver};
+use crate::world::course::NodeCourses;
 use crate::world::sleep::Sleep;
 use crate::world::steady::Steadiness;
 use crate::world::{Deformable, DeformableParameters, Substeps};
@@ -41,6 +42,7 @@ struct Saved {
     sleep: Sleep,
     node_forces: Vec<(Vector, Vector)>,
     led: Vec<(u32, DVec3)>,
+    courses: NodeCourses,
     datum: DVec3,
     moved_out: Vec<(u32, DVec3, DVec3)>,
     edits: u64,
@@ -97,6 +99,7 @@ impl Saved {
             sleep: body.sleep,
             node_forces: body.node_forces.clone(),
             led: body.led.clone(),
+            courses: body.courses.clone(),
             datum: body.datum,
             moved_out: body.moved_out.clone(),
             edits: body.edits,
@@ -152,6 +155,7 @@ impl Saved {
             ),
             (
                 self.led.iter().all(|(n, _)| known(n))
+                    && self.courses.nodes().all(known)
                     && self.moved_out.iter().all(|(n, ..)| known(n))
                     && self.told.iter().all(known),
                 "nodes that are led",
@@ -208,6 +212,7 @@ impl Saved {
             sleep: self.sleep,
             node_forces: self.node_forces,
             led: self.led,
+            courses: self.courses,
             datum: self.datum,
             moved_out: self.moved_out,
             edits: self.edits,

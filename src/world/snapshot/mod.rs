@@ -16,7 +16,9 @@ pub use error::SnapshotError;
 use super::group::BodyKey;
 use super::sleep::{HeldShape, Island, Neighbour};
 use super::touch::{Touch, TouchKey};
-use super::{AttachmentState, Deformable, DeformableParameters, DeformableWorld, meet, reach};
+use super::{
+    AttachmentState, Deformable, DeformableParameters, DeformableWorld, kinematic, meet, reach,
+};
 use crate::contact::candidates::{self, Candidates};
 use crate::contact::encounter::Encounter;
 use crate::contact::target::target;
@@ -43,6 +45,7 @@ struct Outgoing<'a> {
     contacts: Vec<(ContactKey, candidates::Saved)>,
     encounters: &'a BTreeMap<(BodyKey, BodyKey), Encounter>,
     meetings: &'a meet::Meetings,
+    courses: &'a kinematic::Courses,
     known: &'a reach::Known,
     touches: &'a BTreeMap<TouchKey, Touch>,
     islands: &'a [Island],
@@ -64,6 +67,7 @@ struct Incoming {
     contacts: Vec<(ContactKey, candidates::Saved)>,
     encounters: BTreeMap<(BodyKey, BodyKey), Encounter>,
     meetings: meet::Meetings,
+    courses: kinematic::Courses,
     known: reach::Known,
     touches: BTreeMap<TouchKey, Touch>,
     islands: Vec<Island>,
@@ -173,6 +177,7 @@ impl DeformableWorld {
             contacts: contacts.collect(),
             encounters: &self.encounters,
             meetings: &self.meetings,
+            courses: &self.courses,
             known: &self.known,
             touches: &self.touches,
             islands: &self.islands,
@@ -195,6 +200,7 @@ impl Incoming {
             memory: self.memory,
             encounters: self.encounters,
             meetings: self.meetings,
+            courses: self.courses,
             known: self.known,
             touches: self.touches,
             islands: self.islands,

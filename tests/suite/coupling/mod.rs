@@ -8,6 +8,7 @@ mod impact;
 mod joints;
 mod laden;
 mod links;
+mod platform;
 mod rest;
 mod slender;
 mod soft;
