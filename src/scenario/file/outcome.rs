@@ -1,6 +1,6 @@
 //! What came out of a run, held against what was expected.
 
-use super::super::survey;
+use super::super::{Run, survey};
 use super::build::RunError;
 use super::model::{Channel, Expectation, Quantity};
 use super::reduce::Measured;
@@ -24,7 +24,7 @@ pub struct Check {
 
 /// What a run came to.
 pub struct Outcome {
-    /// Every expectation, in the order of the file.
+    /// Every expectation, in the order of the file, and what no run may come to: bodies that are not finite any more.
     pub checks: Vec<Check>,
     /// The probes by name.
     pub probes: Vec<(String, Series)>,
@@ -46,12 +46,17 @@ impl Outcome {
             .iter()
             .map(|e| check(e, &run, &state_hash))
             .collect();
+        let mut checks = checks?;
+        let asked = |e: &Expectation| matches!(e.that, Quantity::Finite);
+        if !run.scenario.expect.iter().any(asked) {
+            checks.extend(not_finite(&run));
+        }
         let probes = run.scenario.probes.iter();
         let probes: Result<Vec<_>, RunError> = probes
             .map(|p| Ok((p.name.clone(), run.probe(p)?)))
             .collect();
         Ok(Self {
-            checks: checks?,
+            checks,
             probes: probes?,
             state_hash,
             kernel: run.run.deformables.params.kernel.name(),
@@ -87,6 +92,33 @@ pub struct Failed {
     pub about: String,
     /// Every expectation: check, measured, bound, at which time, verdict.
     pub table: String,
+}
+
+/// What fails of a run in which something has become infinite or NaN: the rest of it is worth nothing.
+fn not_finite(run: &ScenarioRun) -> Option<Check> {
+    let Run {
+        world,
+        deformables,
+        cast,
+        ..
+    } = &run.run;
+    if survey::all_finite(world, deformables) {
+        return None;
+    }
+    let frozen = |h| deformables.get(h).is_some_and(|b| b.is_frozen());
+    let frozen = cast.deformables.iter().filter(|(_, h)| frozen(*h));
+    let names: Vec<String> = frozen.map(|(name, _)| format!("`{name}` froze")).collect();
+    let name = match names[..] {
+        [] => "Finite".to_owned(),
+        _ => format!("Finite: {}", names.join(", ")),
+    };
+    Some(Check {
+        name,
+        measured: 0.0,
+        bound: "= 1".into(),
+        time: None,
+        passed: false,
+    })
 }
 
 fn check(e: &Expectation, run: &ScenarioRun, hash: &str) -> Result<Check, RunError> {

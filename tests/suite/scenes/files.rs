@@ -39,6 +39,37 @@ pub const STONE: &str = r#"(
     ],
 )"#;
 
+/// A force with a pole: nothing is expected of what is finite, and yet nothing can be made of such a run.
+#[test]
+fn a_run_that_blows_up_fails() {
+    let scene = |expect: &str| {
+        let text = format!(
+            r#"(
+            world: (duration: 0.2, gravity: (0, 0, 0)),
+            deformables: [
+                (name: "calm", body: Net(nodes: [(at: (0, 0, 0), mass: 2)])),
+                (name: "stone", body: Net(nodes: [(at: (5, 0, 0), mass: 2)])),
+            ],
+            actuators: [Force(on: "stone", force: ("1 / (t - 0.1)^12", 0, 0))],
+            expect: [{expect}],
+        )"#
+        );
+        let path = std::path::Path::new("pole.ron");
+        let scenario = Scenario::parse(&text, path, &LoadOptions::default()).unwrap();
+        scenario.run().unwrap()
+    };
+    let residual = "(that: EnergyResidual, at_most: 1)";
+    let outcome = scene(residual);
+    assert!(!outcome.passed());
+    let [_, finite] = &outcome.checks[..] else {
+        panic!("{:?}", outcome.checks);
+    };
+    assert_eq!(finite.name, "Finite: `stone` froze");
+    assert!(outcome.verdict().unwrap_err().to_string().contains("stone"));
+    // A scene may be about that.
+    assert!(scene("(that: Finite, at_most: 0)").passed());
+}
+
 /// A ball bound to a box of tets that is larger than it rests on the ball, with the box in the floor.
 #[test]
 fn an_embedded_surface_touches_in_place_of_its_tets() {
