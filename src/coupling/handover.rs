@@ -162,13 +162,11 @@ pub fn after_step(
     end: &Shadow,
     memory: &mut BodyMemory,
 ) -> f64 {
-    let mut v = end.v;
     match pending.answer {
         Answer::None => return 0.0,
         // Rapier has put it to sleep in this step and its velocity to zero: it stays that way.
         Answer::Free if body.is_sleeping() => return 0.0,
         Answer::Free => {
-            v -= end.ahead;
             let impulse = end.impulse - pending.given;
             if let Some(turned) = pending.turned {
                 give(body, (impulse, DVec3::ZERO));
@@ -197,5 +195,18 @@ pub fn after_step(
             }
         }
     }
-    0.5 * (end.impulse.dot(v - wide(body.linvel())) + end.torque.dot(end.w - wide(body.angvel())))
+    let turned = end.torque.dot(end.w - wide(body.angvel()));
+    let defect = |v: DVec3| 0.5 * (end.impulse.dot(v - wide(body.linvel())) + turned);
+    let free = defect(end.v - end.ahead);
+    if pending.answer == Answer::Free {
+        return free;
+    }
+    // By what its shadow was ahead, contacts and joints of a body may have taken from it since, all or a part: that much is not known
+    // of its velocity.
+    let held = defect(end.v);
+    match free * held <= 0.0 {
+        true => 0.0,
+        false if free.abs() < held.abs() => free,
+        false => held,
+    }
 }
