@@ -88,7 +88,9 @@ impl KinematicTargets {
         if steps == 1 {
             return;
         }
-        for way in self.ways.iter().filter(|w| w.start != w.end) {
+        let straight = (DVec3::ZERO, DVec3::ZERO);
+        let moves = |w: &&Way| w.start != w.end || w.bend != straight;
+        for way in self.ways.iter().filter(moves) {
             let share = step as f64 / steps as f64;
             let pose = if step == steps {
                 way.end

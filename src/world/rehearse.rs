@@ -101,7 +101,7 @@ impl Group {
         let h = dt / iterations as f64;
         let mut shadows = vec![Shadow::FIXED];
         for ((touched, end), trial) in self.touched.iter().zip(&self.shadows[1..]).zip(trials) {
-            let mut shadow = touched.start;
+            let mut shadow = touched.start.led_straight(dt);
             let Split { early, late } = trial.split(trial.early, end, share);
             shadow.take(early.0, early.1);
             let mut rest = Shadow {
