@@ -205,6 +205,14 @@ impl Shadow {
         self.lead = Some(0.0);
     }
 
+    /// Goes on in substeps of h s after some of `last` s: what is led has the velocity of their middle.
+    pub fn change_substep(&mut self, last: f64, h: f64) {
+        if !self.gives_way() {
+            self.v += self.acceleration * (0.5 * (last - h));
+            self.w += self.spin_up * (0.5 * (last - h));
+        }
+    }
+
     /// As it is, but what is led through a step of `dt` s goes at its mean velocities, as it does in Rapier's step.
     pub fn led_straight(mut self, dt: f64) -> Self {
         if !self.gives_way() {

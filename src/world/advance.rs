@@ -79,7 +79,7 @@ impl Advance {
             let n = n.min((stale / h) as usize).max(1);
             match last {
                 None => group.synchronise(h),
-                Some(last) => group.rows.change_substep(h / last),
+                Some(last) => group.change_substep(last, h),
             }
             last = Some(h);
             let mut made = 0;

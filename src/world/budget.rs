@@ -59,7 +59,7 @@ impl Deformable {
                 Err(BuildError::NeverStable { integrator, spring })
             }
             (_, Some(_)) if stable.never => Err(BuildError::NeverStableSolid { integrator }),
-            _ if is_short && self.longest_by_drag() <= 2.0 * stable.h => {
+            _ if is_short && self.longest_by_drag() < min_h => {
                 Err(self.unstable_by_drag(stable.h, min_h))
             }
             (Some(spring), _) if is_short => Err(self.unstable(spring, stable.h, min_h)),

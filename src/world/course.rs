@@ -9,16 +9,17 @@
 use crate::math::DVec3;
 use std::collections::BTreeMap;
 
-/// What is remembered of a course: all zero for what has stood still.
+/// What is remembered of a course, of a point \[m\] or a rotation \[rad\]: all zero for what has stood still, which is what is thought of
+/// the time before the first frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
     feature = "serde-serialize",
     derive(serde::Serialize, serde::Deserialize)
 )]
 pub(super) struct Course {
-    /// Mean velocity in the last frame.
+    /// Mean velocity in the last frame \[m/s, rad/s\].
     velocity: DVec3,
-    /// By how much the mean velocity had changed from the frame before, per time.
+    /// By how much the mean velocity had changed from the frame before, per time \[m/s², rad/s²\].
     slope: DVec3,
     /// Length of the last frame \[s\]; 0 before the first.
     dt: f64,
@@ -40,12 +41,14 @@ impl Course {
                 dt,
             },
         );
-        if !(slope.is_finite() && slope.dot(before.slope) > 0.0) {
-            return DVec3::ZERO;
-        }
         // From between the two frames to the middle of this one.
         let rate = slope * 1.5 - before.slope * 0.5;
-        let rate = rate.clamp_length_max(2.0 * before.slope.length());
+        let agree = slope.dot(before.slope) > 0.0 && slope.dot(rate) > 0.0;
+        if !(slope.is_finite() && agree) || velocity == DVec3::ZERO {
+            return DVec3::ZERO;
+        }
+        let most = 2.0 * before.slope.length().min(slope.length());
+        let rate = rate.clamp_length_max(most);
         if rate.length() * dt > SMOOTH {
             rate
         } else {
@@ -103,7 +106,13 @@ impl NodeCourses {
             let known = known.filter(|c| c.end.distance(at) <= SAME_PLACE);
             let mut followed = known.copied().unwrap_or_default();
             followed.end = target;
-            followed.bend = followed.course.go_on((target - at) / dt, dt);
+            // Told to stand, it stands.
+            let way = if target.distance(at) <= SAME_PLACE {
+                DVec3::ZERO
+            } else {
+                target - at
+            };
+            followed.bend = followed.course.go_on(way / dt, dt);
             (node, followed)
         });
         self.of = followed.collect();

@@ -31,7 +31,9 @@ struct Way {
     body: RigidBodyHandle,
     start: Pose,
     end: Pose,
-    /// Acceleration \[m/s²\] and angular acceleration \[rad/s²\] on it.
+    /// Its centre of mass in its own frame \[m\].
+    center: DVec3,
+    /// Acceleration of the centre of mass \[m/s²\] and angular acceleration \[rad/s²\] on it.
     bend: (DVec3, DVec3),
 }
 
@@ -64,7 +66,8 @@ impl KinematicTargets {
             });
             course.end = end;
             let turn = wide_rotation(end.rotation) * wide_rotation(start.rotation).inverse();
-            let way = wide(end.translation) - wide(start.translation);
+            let center = wide(b.local_center_of_mass());
+            let way = place(&end, center) - place(&start, center);
             course.bend = (
                 course.linear.go_on(way / dt, dt),
                 course.angular.go_on(rotation_vector(turn) / dt, dt),
@@ -76,6 +79,7 @@ impl KinematicTargets {
                 body,
                 start,
                 end,
+                center,
                 bend: course.bend,
             });
         }
@@ -88,9 +92,7 @@ impl KinematicTargets {
         if steps == 1 {
             return;
         }
-        let straight = (DVec3::ZERO, DVec3::ZERO);
-        let moves = |w: &&Way| w.start != w.end || w.bend != straight;
-        for way in self.ways.iter().filter(moves) {
+        for way in self.ways.iter().filter(|w| w.start != w.end) {
             let share = step as f64 / steps as f64;
             let pose = if step == steps {
                 way.end
@@ -105,13 +107,20 @@ impl KinematicTargets {
 }
 
 impl Way {
-    /// Where the body is after a share of a frame of `dt` s.
+    /// Where the body is after a share of a frame of `dt` s: its centre of mass goes straight but for the bend, as in Rapier's step.
     fn at(&self, share: f64, dt: f64) -> Pose {
         let mut pose = self.start.lerp(&self.end, share as f32);
-        let off = off_line(self.bend.0, dt, share);
         let turned = DQuat::from_scaled_axis(off_line(self.bend.1, dt, share));
-        pose.translation += narrow(off);
-        pose.rotation = (turned * wide_rotation(pose.rotation)).as_quat();
+        let rotation = turned * wide_rotation(pose.rotation);
+        let ends = [&self.start, &self.end].map(|end| place(end, self.center));
+        let center = ends[0].lerp(ends[1], share) + off_line(self.bend.0, dt, share);
+        pose.translation = narrow(center - rotation * self.center);
+        pose.rotation = rotation.as_quat();
         pose
     }
+}
+
+/// Where a point of a body is \[m\].
+fn place(pose: &Pose, local: DVec3) -> DVec3 {
+    wide(pose.translation) + wide_rotation(pose.rotation) * local
 }

@@ -25,13 +25,13 @@ pub trait Observer: Send {
     }
     /// Whether [`Self::substep`] is to find in the bodies what their springs have flowed by `time`, the end of the substep \[s\]: for
     /// energies, tensions and lengths at rest. Bringing these up to date costs time; without it they are those of an earlier
-    /// substep, while positions and velocities are always those of `time`. Asked before every call.
+    /// substep, while positions and velocities are always those of `time`. Asked before every call, with the group's bodies.
     fn wants_springs(
         &self,
         _time: f64,
         _deformables: &[(DeformableHandle, Box<Deformable>)],
     ) -> bool {
-        true
+        self.wants_substeps()
     }
     /// Whether [`Substep::node_impulses`] are wanted, which costs time; asked in every substep.
     fn wants_node_impulses(&self) -> bool {

@@ -120,6 +120,14 @@ impl Group {
         }
     }
 
+    /// Goes on in substeps of h s after some of `last` s.
+    pub fn change_substep(&mut self, last: f64, h: f64) {
+        self.rows.change_substep(h / last);
+        for shadow in &mut self.shadows[1..] {
+            shadow.change_substep(last, h);
+        }
+    }
+
     /// Advances the group by h s, to `time`. `reversed` picks the order of the rows. `false` if a body has become
     /// non-finite; it is then frozen and the group's impulses are worthless.
     pub fn substep(

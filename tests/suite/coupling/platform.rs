@@ -76,6 +76,40 @@ fn a_platform_that_swings_carries_by_its_acceleration() {
     }
 }
 
+/// Turned about a point at its rim, with its collider about the axle: the block on it feels the axle stand.
+#[test]
+fn a_carousel_that_is_held_at_its_rim_turns_about_its_axle() {
+    let mut world = PhysicsWorld::default();
+    let body =
+        RigidBodyBuilder::kinematic_position_based().translation(Vector::new(1.0, -0.1, 0.0));
+    let disc = ColliderBuilder::cylinder(0.1, 1.0).translation(Vector::X * -1.0);
+    let (carousel, _) = world.insert(body, disc);
+    let mut set = DeformableWorld::default();
+    let net = lattice(Vector::splat(0.2), 0.1).unwrap();
+    let soft = Material::elastic(2e6, 400.0).viscosity(1e4);
+    let block = DeformableBuilder::new(net).material(soft);
+    let block = set.insert(block.translation(Vector::Y * 0.1)).unwrap();
+    let mut press = Press {
+        least: f64::INFINITY,
+        most: 0.0,
+        impulse: 0.0,
+        time: 0.0,
+    };
+    for frame in 1..=180 {
+        let turn = Rotation::from_rotation_y(3.0 * frame as f32 / 60.0);
+        let at = turn * Vector::X - Vector::Y * 0.1;
+        let next = Pose::from_parts(at, turn);
+        world.bodies[carousel].set_next_kinematic_position(next);
+        set.step_with(&mut world, &(), &(), &mut press);
+    }
+    let weight = set[block].mass() * 9.81;
+    close("least force [N]", press.least, weight, 0.01);
+    close("largest force [N]", press.most, weight, 0.01);
+    let at = set[block].center_of_mass();
+    assert!(at.x.hypot(at.z) < 1e-4, "{at}");
+    assert!(set[block].angular_momentum(at).y > 0.0, "it turns along");
+}
+
 /// A bead that hangs on a led node by a spring of 16 Hz.
 #[test]
 fn a_led_node_pulls_by_its_acceleration() {
