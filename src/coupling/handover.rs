@@ -204,9 +204,11 @@ pub fn after_step(
     // By what its shadow was ahead, contacts and joints of a body may have taken from it since, all or a part: that much is not known
     // of its velocity.
     let held = defect(end.v);
-    match free * held <= 0.0 {
-        true => 0.0,
-        false if free.abs() < held.abs() => free,
-        false => held,
+    if free * held <= 0.0 {
+        0.0
+    } else if free.abs() < held.abs() {
+        free
+    } else {
+        held
     }
 }

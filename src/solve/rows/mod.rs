@@ -127,7 +127,7 @@ impl Rows {
         self.composites.of_shadow(shadow).is_some()
     }
 
-    /// Its contacts and joints of shadows, prepared for the shadows as they are.
+    /// Its contacts and joints of shadows, as prepared in the last substep: what answers otherwise is prepared anew.
     pub fn between_shadows(&self) -> BetweenShadows {
         BetweenShadows {
             contacts: self.rigid.clone(),

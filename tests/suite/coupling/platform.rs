@@ -21,6 +21,17 @@ struct Press {
     time: f64,
 }
 
+impl Press {
+    fn new() -> Self {
+        Self {
+            least: f64::INFINITY,
+            most: 0.0,
+            impulse: 0.0,
+            time: 0.0,
+        }
+    }
+}
+
 impl Observer for Press {
     fn substep(&mut self, s: &Substep) {
         let contacts = s.contacts.iter().map(|c| c.impulse.y);
@@ -59,12 +70,7 @@ fn a_platform_that_swings_carries_by_its_acceleration() {
             let weld = Attachment::weld(nodes);
             set.attach(block, weld, platform, &world.bodies).unwrap();
         }
-        let mut press = Press {
-            least: f64::INFINITY,
-            most: 0.0,
-            impulse: 0.0,
-            time: 0.0,
-        };
+        let mut press = Press::new();
         for frame in 1..=180 {
             let to = start + Vector::Y * height(f64::from(frame) / 60.0) as f32;
             world.bodies[platform].set_next_kinematic_translation(to);
@@ -89,12 +95,7 @@ fn a_carousel_that_is_held_at_its_rim_turns_about_its_axle() {
     let soft = Material::elastic(2e6, 400.0).viscosity(1e4);
     let block = DeformableBuilder::new(net).material(soft);
     let block = set.insert(block.translation(Vector::Y * 0.1)).unwrap();
-    let mut press = Press {
-        least: f64::INFINITY,
-        most: 0.0,
-        impulse: 0.0,
-        time: 0.0,
-    };
+    let mut press = Press::new();
     for frame in 1..=180 {
         let turn = Rotation::from_rotation_y(3.0 * frame as f32 / 60.0);
         let at = turn * Vector::X - Vector::Y * 0.1;
