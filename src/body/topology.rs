@@ -47,6 +47,8 @@ pub struct Topology {
     /// Whether the faces enclose a volume: every edge belongs to two faces that agree on which side is outside. A surface
     /// that is open has no outside, and both sides count.
     pub closed: bool,
+    /// Whether all faces that share an edge agree on which side is which, and no more than two do.
+    pub oriented: bool,
     /// Mean length of the edges at rest \[m\].
     pub spacing: f64,
 }
@@ -76,6 +78,7 @@ impl Topology {
                     .push(side);
             }
         }
+        let oriented = sides.values().all(|s| s.len() == 1 || closes(s));
         let closed = !sides.is_empty() && sides.values().all(|s| closes(s));
         let mut faces: Vec<Option<Face>> = blueprint
             .faces
@@ -117,6 +120,7 @@ impl Topology {
             wings,
             around,
             closed,
+            oriented,
         }
     }
 }

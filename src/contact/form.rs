@@ -48,6 +48,14 @@ impl Form {
         }
     }
 
+    /// The smallest extent of a volume \[m\]; of a surface that is not known.
+    pub fn width(&self) -> Option<f64> {
+        match self {
+            Self::Solid(solid) => Some(solid.width()),
+            Self::Soup(_) => None,
+        }
+    }
+
     /// Whether a shape is of a kind that has a form, without working anything out.
     pub fn takes(shape: &dyn Shape) -> bool {
         Solid::takes(shape) || Soup::takes(shape)

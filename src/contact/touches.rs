@@ -82,11 +82,9 @@ impl Touches {
         i.ok().map(|i| self.kept[i].normal)
     }
 
-    /// The normal most along a direction of those that points had when they last touched, among those with certain keys.
-    pub fn normal_along(&self, direction: DVec3, is: impl Fn(Key) -> bool) -> Option<DVec3> {
-        let normals = self.kept.iter().filter(|t| is(t.key)).map(|t| t.normal);
-        let along = |n: &DVec3| n.dot(direction).abs();
-        normals.max_by(|a, b| along(a).total_cmp(&along(b)))
+    /// The normals that points had when they last touched.
+    pub fn normals(&self) -> impl Iterator<Item = (Key, DVec3)> {
+        self.kept.iter().map(|t| (t.key, t.normal))
     }
 
     /// How deep the deepest of certain points was that last touched with a normal that has at least a cosine of `alike` with a

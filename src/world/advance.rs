@@ -7,6 +7,7 @@ use super::observer::Observer;
 use super::report::{StepReport, note};
 use super::substep::{Group, Settings};
 use super::{Deformable, meet};
+use crate::contact::candidates::Candidates;
 use crate::solve::threads;
 
 /// What the groups of a rigid step have in common.
@@ -70,7 +71,8 @@ impl Advance {
         while left > 0.0 {
             // The stable substep changes as bodies crumple, so a long rigid step is looked at anew now and then, unless
             // what is left is a matter of a few substeps.
-            let turns = (left / group.longest_turn(self.dt)).ceil() as usize;
+            let longest = group.longest_turn(self.dt).min(group.longest_fold(self.dt));
+            let turns = (left / longest).ceil() as usize;
             let (needed, stale) = group_substeps(group, report, left, self.frame);
             let needed = needed.max(turns);
             let reviews = (left / self.review_interval - 1e-6).ceil() as usize;
@@ -115,6 +117,10 @@ const FEW_SUBSTEPS: usize = 4;
 /// turn twice as far until substeps are shortened for it.
 const TURN: f64 = 0.25;
 
+/// How far past its row a corner or an edge of what strikes a sheet may come within a substep, per width of that: a face of length L that
+/// is struck at v turns by v·h/L meanwhile, and moves by v·h. Of plates of 6 mm at 40 m/s a tenth went through at four times this.
+const THIN: f64 = 0.5;
+
 /// The most substeps of a rigid step that turning bodies ask for: some are so small that none is short enough.
 const MOST: f64 = 256.0;
 
@@ -126,6 +132,32 @@ impl Group {
     fn longest_turn(&self, dt: f64) -> f64 {
         let spins = self.shadows.iter().map(|shadow| shadow.w.length());
         (TURN / spins.fold(0.0, f64::max)).max(dt / MOST)
+    }
+
+    /// The longest substep in which no face of a sheet turns so far, as it is struck, that what strikes it comes past it, see [`THIN`], in a
+    /// rigid step of `dt` s \[s\].
+    fn longest_fold(&self, dt: f64) -> f64 {
+        let mut longest = f64::INFINITY;
+        for (m, (_, body)) in self.members.iter().enumerate() {
+            let topology = body.contact_topology();
+            if topology.closed || topology.faces.is_empty() {
+                continue;
+            }
+            let thin = |c: &Candidates| c.target.form.width().filter(|w| *w > 0.0 && w.is_finite());
+            if !self.candidates[m].iter().any(|c| thin(c).is_some()) {
+                continue;
+            }
+            let own = body.stir();
+            for c in &self.candidates[m] {
+                let Some(width) = thin(c) else { continue };
+                let shadow = &self.shadows[c.target.shadow as usize];
+                let there = shadow.velocity_at(own.centre - shadow.com);
+                let closing =
+                    own.most + (there - own.mean).length() + shadow.w.length() * own.radius;
+                longest = longest.min((THIN * width * topology.spacing).sqrt() / closing);
+            }
+        }
+        longest.max(dt / MOST)
     }
 
     /// How fast a member of tets and what is in its reach may close \[m/s\]; with nothing there, how fast its own nodes do. 0 for

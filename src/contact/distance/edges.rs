@@ -11,6 +11,11 @@ impl Solid {
         matches!(self.core, Core::Voxels(_))
     }
 
+    /// Whether it is a box, grown or not.
+    pub fn is_box(&self) -> bool {
+        matches!(self.core, Core::Cuboid(_))
+    }
+
     /// Puts into `out` the edges of filled cells that stand out and meet the box from `lo` to `hi` \[m\]; of other solids
     /// none.
     pub fn voxel_edges_in(
@@ -60,7 +65,11 @@ impl Solid {
     pub fn has_lines(&self) -> bool {
         matches!(
             self.core,
-            Core::Segment(..) | Core::Cylinder(..) | Core::Cone(..) | Core::Hull(_)
+            Core::Segment(..)
+                | Core::Cuboid(_)
+                | Core::Cylinder(..)
+                | Core::Cone(..)
+                | Core::Hull(_)
         )
     }
 
@@ -78,6 +87,21 @@ impl Solid {
             }
             Core::Cone(half_height, radius) => {
                 found(0, [lowest(-half_height, *radius), DVec3::Y * *half_height]);
+            }
+            Core::Cuboid(half) => {
+                for i in 0..12 {
+                    // Along one axis, on one side of each of the two others.
+                    let axis = i as usize / 4;
+                    let [a, b] = [(axis + 1) % 3, (axis + 2) % 3];
+                    let mut away = DVec3::ZERO;
+                    away[a] = if i & 1 == 0 { -1.0 } else { 1.0 };
+                    away[b] = if i & 2 == 0 { -1.0 } else { 1.0 };
+                    if away.dot(normal) < 0.0 {
+                        let mut along = DVec3::ZERO;
+                        along[axis] = 1.0;
+                        found(i, [(away - along) * *half, (away + along) * *half]);
+                    }
+                }
             }
             Core::Hull(hull) => {
                 let mut i = 0;

@@ -25,6 +25,10 @@ const STARTS: usize = 5;
 /// How high a face must bulge, per spacing of its body, to matter.
 const NEGLIGIBLE: f64 = 1e-3;
 
+/// The same for the edges of boxes: less than that their corners and the edges of the face hold, and to look for more costs a sheet
+/// full of boxes a third of its time.
+const NEGLIGIBLE_TO_BOXES: f64 = 0.1;
+
 /// Nearer than this per radius, two places of a rim are one.
 const ALIKE: f64 = 0.05;
 
@@ -34,7 +38,16 @@ pub(super) fn flat_for(solid: &Solid, patch: &Patch, spacing: f64) -> f64 {
     if patch.corners().len() == 3 || !solid.has_lines() {
         return f64::INFINITY;
     }
-    NEGLIGIBLE * spacing - patch.highest_rise().length()
+    negligible(solid) * spacing - patch.highest_rise().length()
+}
+
+/// How high a face must bulge, per spacing of its body, to matter to a solid.
+fn negligible(solid: &Solid) -> f64 {
+    if solid.is_box() {
+        NEGLIGIBLE_TO_BOXES
+    } else {
+        NEGLIGIBLE
+    }
 }
 
 /// A twisted face.

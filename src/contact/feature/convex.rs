@@ -2,15 +2,14 @@
 
 use super::bulge::{self, Ridge};
 use super::making::{Making, Met};
-use super::meet::{ALIKE, share_node};
 use super::part::{Convex, Part};
-use super::patch::Patch;
+use super::patch::{Foot, Patch};
 use crate::contact::cone::can_push;
 use crate::contact::distance::Solid;
 use crate::contact::roll::Roll;
 use crate::contact::site::Site;
 use crate::contact::target::{Frame, Target};
-use crate::contact::touches::{Key, Touches};
+use crate::contact::touches::Touches;
 use crate::math::DVec3;
 use crate::solve::rows::Rows;
 
@@ -237,8 +236,14 @@ impl Making<'_, '_> {
         if height > self.skin + self.site.reach.farthest + self.site.side.topology.spacing {
             return None;
         }
-        let (beside, Some(foot)) = self.foot(patch, point) else {
-            return None;
+        let away = facing.cone.iter();
+        let away = away.map(|other| (*other - point).normalize_or_zero());
+        let (point, (beside, foot)) = match self.foot_of_grown(facing, point) {
+            Some((point, foot)) => (point, (false, foot)),
+            None => {
+                let (beside, foot) = self.foot(patch, point);
+                (point, (beside, foot?))
+            }
         };
         // What is beside a face may be below it without having come through: past a ridge, its points tell.
         let out = if facing.told || patch.is_between(point, facing.part.centre) {
@@ -247,14 +252,31 @@ impl Making<'_, '_> {
             point - foot.point
         };
         let outward = foot.normal * 1.0_f64.copysign(foot.normal.dot(out));
-        let away = facing.cone.iter();
-        let away = away.map(|other| (*other - point).normalize_or_zero());
         if !can_push(away, -outward, self.touches.touched([p, i, f])) {
             return None;
         }
         let at = (beside, &foot, outward);
-        let found = self.over((i, point), (f, patch), at, self.deepest_point())?;
+        let mut found = self.over((i, point), (f, patch), at, self.deepest_point())?;
+        // A sheet between a point and the middle of its part is cut by that, whichever way it came there.
+        let open = !self.site.side.topology.closed;
+        found.cuts =
+            open && !beside && found.is_deep() && patch.is_between(point, facing.part.centre);
         (!self.is_internal_corner(facing.part, point, -n)).then_some(found)
+    }
+
+    /// Where a part that is grown touches a twisted face with one of its points, and the foot there: not where it would if the normal
+    /// was that of the middle of the face.
+    fn foot_of_grown(&self, facing: &Facing, point: DVec3) -> Option<(DVec3, Foot)> {
+        let radius = facing.part.solid.edge_radius();
+        // How much deeper that place may be.
+        let dip = 0.5 * radius * facing.patch.twist().powi(2);
+        if dip < self.site.reach.touching {
+            return None;
+        }
+        let centre = point + facing.normal * radius;
+        let foot = facing.patch.foot_of_ball(centre)?;
+        let n = foot.normal * 1.0_f64.copysign(foot.normal.dot(facing.normal));
+        Some((centre - n * radius, foot))
     }
 
     /// On which side of a face the part is, along the normal at its middle: where it was when it last touched this face or one
@@ -265,16 +287,7 @@ impl Making<'_, '_> {
         p: u32,
         (nodes, patch, n): (&[u32], &Patch, DVec3),
     ) -> Option<f64> {
-        let faces = &self.site.side.topology.faces;
-        let beside = |f: u32| {
-            let face = faces.get(f as usize);
-            face.is_some_and(|face| share_node(face.nodes(), nodes))
-        };
-        let last = |own: bool| {
-            let is = |[part, _, f]: Key| (part == p) == own && beside(f);
-            let along = self.touches.normal_along(n, is).map(|last| -last.dot(n));
-            along.filter(|along| along.abs() > ALIKE)
-        };
+        let last = |own: bool| self.last_side(nodes, n, |[part, ..]| (part == p) == own);
         let over = || {
             let foot = patch.foot(part.centre)?;
             Some((part.centre - foot.point).dot(n))

@@ -22,6 +22,8 @@ pub(super) struct Met {
     excess: f64,
     /// Whether the point is over no face, and this is the foot on the border of one.
     beside: bool,
+    /// Whether what the point belongs to is cut by the face.
+    pub cuts: bool,
 }
 
 /// How near the border of a face or the end of an edge counts as on it, in distances that count as touching.
@@ -38,9 +40,14 @@ impl Met {
             && self.inset() < other.inset()
     }
 
-    /// Whether it may have come from outside within the substep.
+    /// Whether it may have come from outside within the substep, or must have at some time.
     fn is_shallow(&self) -> bool {
-        self.excess <= 0.0
+        !self.is_deep() || self.cuts
+    }
+
+    /// Whether it is deeper than what may have come from outside within the substep.
+    pub fn is_deep(&self) -> bool {
+        self.excess > 0.0
     }
 
     /// A length that goes to zero at the border \[m\].
@@ -128,6 +135,7 @@ impl Making<'_, '_> {
             depth,
             excess: depth - come,
             beside,
+            cuts: false,
         })
     }
 

@@ -61,12 +61,12 @@ impl Making<'_, '_> {
         if !can_push(cone.iter().copied(), -outward, last.is_some()) {
             return (apart, None);
         }
-        let met = self.over(
-            (corner.id, p),
-            (f, &patch),
-            (beside, &foot, outward),
-            self.deepest_point(),
-        );
+        let at = (beside, &foot, outward);
+        let mut met = self.over((corner.id, p), (f, &patch), at, self.deepest_point());
+        if let Some(met) = &mut met {
+            // Its surface goes back to the side from which a sheet was touched, through that.
+            met.cuts = !topology.closed && !beside && last.is_some();
+        }
         (apart, met)
     }
 
@@ -126,16 +126,39 @@ impl Making<'_, '_> {
 
     /// The normal that a point had when it last touched this face or one beside it that looks about the same way.
     pub(super) fn last_normal(&self, key: Key, normal: DVec3) -> Option<DVec3> {
-        let faces = &self.site.side.topology.faces;
         let [part, point, f] = key;
-        let nodes = faces[f as usize].nodes();
-        let beside = |[p, id, other]: Key| {
-            let face = faces.get(other as usize);
-            p == part && id == point && face.is_some_and(|face| share_node(face.nodes(), nodes))
-        };
+        let nodes = self.site.side.topology.faces[f as usize].nodes();
         let last = self.touches.normal(key);
-        let last = last.or_else(|| self.touches.normal_along(normal, beside));
-        last.filter(|last| last.dot(normal).abs() > ALIKE)
+        let last = last.filter(|last| last.dot(normal).abs() > ALIKE);
+        last.or_else(|| {
+            let side = self.last_side(nodes, normal, |[p, id, _]| p == part && id == point)?;
+            Some(normal * -side.signum())
+        })
+    }
+
+    /// On which side of a face certain points were that last touched it or one beside it, as the cosine with its normal of the way
+    /// away from it. Across a fold of a sheet it is the winding that tells which side is which, if all faces agree on that.
+    pub(super) fn last_side(
+        &self,
+        nodes: &[u32],
+        normal: DVec3,
+        is: impl Fn(Key) -> bool,
+    ) -> Option<f64> {
+        let topology = self.site.side.topology;
+        let sides = self.touches.normals().filter_map(|(key, last)| {
+            let beside = topology.faces.get(key[2] as usize)?.nodes();
+            if !is(key) || !share_node(beside, nodes) {
+                return None;
+            }
+            let normal = if topology.oriented && !topology.closed {
+                Patch::new(self.corners(beside)).normal()?
+            } else {
+                normal
+            };
+            Some(-last.dot(normal))
+        });
+        let side = sides.max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
+        (side.abs() > ALIKE).then_some(side)
     }
 
     /// Adds the row of an edge and one of the `edges` of the target that cross, and returns how far they are from each other, or less \[m\].

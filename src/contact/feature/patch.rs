@@ -179,6 +179,45 @@ impl Patch {
         })
     }
 
+    /// Where a ball around a point touches it, or would: from there the way to the point is along the normal. A flat patch has no
+    /// other such place than [`Self::foot`]. Newton's method for the least distance.
+    pub fn foot_of_ball(&self, centre: DVec3) -> Option<Foot> {
+        if self.count == 3 {
+            return self.foot(centre);
+        }
+        let [a, b, c, d] = self.corners;
+        let twist = a - b + c - d;
+        let (from_u, from_v) = (b - a, d - a);
+        let (mut u, mut v) = (0.5, 0.5);
+        for _ in 0..8 {
+            let (along_u, along_v) = (from_u + twist * v, from_v + twist * u);
+            let off = centre - (a + along_u * u + from_v * v);
+            let (uu, vv) = (along_u.length_squared(), along_v.length_squared());
+            let uv = along_u.dot(along_v) - off.dot(twist);
+            let area = uu * vv - uv * uv;
+            // So far from a patch so twisted no place is nearest.
+            if area <= 0.0 || area.is_nan() {
+                return None;
+            }
+            let (fu, fv) = (off.dot(along_u), off.dot(along_v));
+            let (du, dv) = ((fu * vv - fv * uv) / area, (fv * uu - fu * uv) / area);
+            (u, v) = (u + du, v + dv);
+            if du.abs().max(dv.abs()) < 1e-9 {
+                break;
+            }
+        }
+        let weights = [(1.0 - u) * (1.0 - v), u * (1.0 - v), u * v, (1.0 - u) * v];
+        let point = a * weights[0] + b * weights[1] + c * weights[2] + d * weights[3];
+        let normal = (from_u + twist * v)
+            .cross(from_v + twist * u)
+            .try_normalize()?;
+        self.inside(weights).then_some(Foot {
+            weights,
+            point,
+            normal,
+        })
+    }
+
     /// Whether the way from one point, which is close to it, to another goes through it.
     pub fn is_between(&self, near: DVec3, far: DVec3) -> bool {
         let Some(foot) = self.foot(near) else {

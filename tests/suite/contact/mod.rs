@@ -12,6 +12,7 @@ mod pinned;
 mod ridges;
 mod seams;
 mod shapes;
+mod shots;
 mod slides;
 mod spinning;
 mod squeezed;
