@@ -6,6 +6,7 @@ use super::steady::Steadiness;
 use crate::body::state::Particle;
 use crate::math::{DVec3, Real, Vector};
 use crate::solve::Integrator;
+use crate::solve::shadow::Shadow;
 use crate::solve::work::Work;
 
 /// What a second prediction starts from.
@@ -38,6 +39,14 @@ pub(super) struct Stir {
     /// Mean of their places, and the largest distance from it \[m\].
     pub centre: DVec3,
     pub radius: f64,
+}
+
+impl Stir {
+    /// How fast a rigid body and what moves as the nodes do on the average may come towards each other, or go \[m/s\].
+    pub fn closing(&self, shadow: &Shadow) -> f64 {
+        let there = shadow.velocity_at(self.centre - shadow.com);
+        (there - self.mean).length() + shadow.w.length() * self.radius
+    }
 }
 
 impl Deformable {

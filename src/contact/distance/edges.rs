@@ -75,8 +75,7 @@ impl Solid {
 
     /// Calls `found` for the straight lines along which a solid that is not grown can touch a face, `normal` being a unit normal
     /// towards it, each with its number: edges of a hull whose sides look that way, the axis of a capsule, the line along which
-    /// the side of a cylinder or a cone is lowest. Not for boxes: but for what a face bulges between them their corners and the
-    /// edges of the face hold these, and to look for more would cost a sheet full of them a tenth of its time.
+    /// the side of a cylinder or a cone is lowest.
     pub fn for_each_line(&self, normal: DVec3, found: &mut dyn FnMut(u32, [DVec3; 2])) {
         let lowest = |y: f64, radius: f64| primitive::radial(-normal).1 * radius + DVec3::Y * y;
         match &self.core {

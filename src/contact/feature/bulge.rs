@@ -71,13 +71,13 @@ impl<'a> Ridge<'a> {
     }
 
     /// Calls `found` for the lowest points of rims and lines of a solid that are within `near` m, with numbers that follow those of
-    /// its `features`; not for those that are among these \[m\].
+    /// its `features`, and with the places that they have grown from; not for those that are among these \[m\].
     pub fn lowest_of(
         &self,
         solid: &Solid,
         near: f64,
         features: &[DVec3],
-        found: &mut dyn FnMut((u32, DVec3)),
+        found: &mut dyn FnMut((u32, DVec3), DVec3),
     ) {
         let grown = solid.edge_radius();
         let mut next = features.len() as u32;
@@ -111,7 +111,7 @@ impl<'a> Ridge<'a> {
                 let mut all = features.iter().chain(&places[..k]);
                 if all.all(|other| other.distance(point) >= near) {
                     places[k] = point;
-                    found((number + k as u32, point));
+                    found((number + k as u32, point), place);
                 }
             }
         }
@@ -123,7 +123,7 @@ impl<'a> Ridge<'a> {
             if let Some((place, n)) = lowest
                 && !solid.has_rim()
             {
-                found((next + i, place - n * grown));
+                found((next + i, place - n * grown), place);
             }
         });
         // The side of a cylinder or a cone is lowest along another line for the normal there.
@@ -132,7 +132,7 @@ impl<'a> Ridge<'a> {
         {
             solid.for_each_line(normal, &mut |i, line| {
                 if let Some((place, n)) = self.lowest_on(line, margin) {
-                    found((next + i, place - n * grown));
+                    found((next + i, place - n * grown), place);
                 }
             });
         }
@@ -289,7 +289,7 @@ mod tests {
         solid.feature_points(*normal, &mut points);
         let mut found = Vec::new();
         let ridge = Ridge::of(patch, *normal, 1e-3).unwrap();
-        ridge.lowest_of(&solid, 0.1, &points, &mut |p| found.push(p));
+        ridge.lowest_of(&solid, 0.1, &points, &mut |p, _| found.push(p));
         let all = points.iter().chain(found.iter().map(|(_, p)| p));
         let heights = all.filter_map(|p| height(patch, *p));
         heights.fold(f64::INFINITY, f64::min)
@@ -334,5 +334,19 @@ mod tests {
             let found = least(&**shape, &saddle(-0.1, bend, 0.0));
             assert!((found - (0.1 - below)).abs() < 1e-6, "{found}");
         }
+        // The lower edge of a box that lies along x, on a saddle whose ridge does.
+        let corner = |x: f64, z: f64| DVec3::new(x, -0.2 - 0.2 * (x * x - z * z), z);
+        let r = std::f64::consts::FRAC_1_SQRT_2;
+        let corners = [
+            corner(-r, 0.0),
+            corner(0.0, r),
+            corner(r, 0.0),
+            corner(0.0, -r),
+        ];
+        let patch = Patch::new(corners.into_iter());
+        let normal = patch.normal().unwrap();
+        let edge = SharedShape::cuboid(0.6, 0.1, 0.1);
+        let found = least(&*edge, &(patch, normal));
+        assert!((found - 0.1).abs() < 1e-2, "{found}");
     }
 }

@@ -174,7 +174,8 @@ impl Making<'_, '_> {
         let Some(mut n) = patch.normal() else {
             return apart;
         };
-        let bulges = off.flat_for <= 0.0;
+        // The edge of a box that touched is held for as long as there is any bulge.
+        let bulges = off.flat_for <= 0.0 || knows;
         let ridge = |n| bulges.then(|| Ridge::of(&patch, n, topology.spacing))?;
         if off.points > self.near && !knows && ridge(n).is_none() {
             return apart;
@@ -199,13 +200,14 @@ impl Making<'_, '_> {
         };
         let before = met.len();
         let all = (0..).zip(points.iter().copied());
-        met.extend(all.filter_map(|point| self.meet_point(&facing, point)));
+        let radius = part.solid.edge_radius();
+        met.extend(all.filter_map(|point| self.meet_point(&facing, point, point.1 + n * radius)));
         let lowest = patch.lowest(points, n);
         if lowest < self.near
             && let Some(ridge) = ridge(n)
         {
-            ridge.lowest_of(&part.solid, self.near, points, &mut |point| {
-                met.extend(self.meet_point(&facing, point));
+            ridge.lowest_of(&part.solid, self.near, points, &mut |point, core| {
+                met.extend(self.meet_point(&facing, point, core));
             });
         }
         if met.len() > before {
@@ -224,8 +226,8 @@ impl Making<'_, '_> {
         apart.max(facing.off_points().min(most))
     }
 
-    /// A point of the part, by its number and place, if it meets a face.
-    fn meet_point(&self, facing: &Facing, (i, point): (u32, DVec3)) -> Option<Met> {
+    /// A point of the part, by its number and place, that has grown from `core`, if it meets a face.
+    fn meet_point(&self, facing: &Facing, (i, point): (u32, DVec3), core: DVec3) -> Option<Met> {
         let (patch, n, [p, f]) = (facing.patch, facing.normal, facing.key);
         // Bounds first: most points are far from most faces.
         let (middle, most) = facing.around;
@@ -238,45 +240,48 @@ impl Making<'_, '_> {
         }
         let away = facing.cone.iter();
         let away = away.map(|other| (*other - point).normalize_or_zero());
-        let (point, (beside, foot)) = match self.foot_of_grown(facing, point) {
-            Some((point, foot)) => (point, (false, foot)),
+        let (point, beside, foot, outward) = match self.foot_of_grown(facing, core) {
+            Some((point, foot, outward)) => (point, false, foot, outward),
             None => {
-                let (beside, foot) = self.foot(patch, point);
-                (point, (beside, foot?))
+                let (beside, Some(foot)) = self.foot(patch, point) else {
+                    return None;
+                };
+                // What is beside a face may be below it without having come through: past a ridge, its points tell.
+                let out = if facing.told || patch.is_between(point, facing.part.centre) {
+                    n
+                } else {
+                    point - foot.point
+                };
+                let outward = foot.normal * 1.0_f64.copysign(foot.normal.dot(out));
+                (point, beside, foot, outward)
             }
         };
-        // What is beside a face may be below it without having come through: past a ridge, its points tell.
-        let out = if facing.told || patch.is_between(point, facing.part.centre) {
-            n
-        } else {
-            point - foot.point
-        };
-        let outward = foot.normal * 1.0_f64.copysign(foot.normal.dot(out));
         if !can_push(away, -outward, self.touches.touched([p, i, f])) {
             return None;
         }
         let at = (beside, &foot, outward);
         let mut found = self.over((i, point), (f, patch), at, self.deepest_point())?;
-        // A sheet between a point and the middle of its part is cut by that, whichever way it came there.
-        let open = !self.site.side.topology.closed;
-        found.cuts =
-            open && !beside && found.is_deep() && patch.is_between(point, facing.part.centre);
+        // What touched a sheet that lies between one of its points and its middle has been cut by that since, whichever way that came there.
+        found.cuts = !self.site.side.topology.closed
+            && !beside
+            && found.is_deep()
+            && self.touches.known(p).next().is_some()
+            && patch.is_between(point, facing.part.centre);
         (!self.is_internal_corner(facing.part, point, -n)).then_some(found)
     }
 
-    /// Where a part that is grown touches a twisted face with one of its points, and the foot there: not where it would if the normal
-    /// was that of the middle of the face.
-    fn foot_of_grown(&self, facing: &Facing, point: DVec3) -> Option<(DVec3, Foot)> {
+    /// Where a ball about a place of a part, from which that is grown, touches a twisted face, the foot there and the normal towards it: not
+    /// where it would if the normal was that of the middle of the face.
+    fn foot_of_grown(&self, facing: &Facing, core: DVec3) -> Option<(DVec3, Foot, DVec3)> {
         let radius = facing.part.solid.edge_radius();
         // How much deeper that place may be.
         let dip = 0.5 * radius * facing.patch.twist().powi(2);
         if dip < self.site.reach.touching {
             return None;
         }
-        let centre = point + facing.normal * radius;
-        let foot = facing.patch.foot_of_ball(centre)?;
-        let n = foot.normal * 1.0_f64.copysign(foot.normal.dot(facing.normal));
-        Some((centre - n * radius, foot))
+        let foot = facing.patch.foot_of_ball(core)?;
+        let outward = foot.normal * 1.0_f64.copysign(foot.normal.dot(facing.normal));
+        Some((core - outward * radius, foot, outward))
     }
 
     /// On which side of a face the part is, along the normal at its middle: where it was when it last touched this face or one

@@ -62,11 +62,7 @@ impl Making<'_, '_> {
             return (apart, None);
         }
         let at = (beside, &foot, outward);
-        let mut met = self.over((corner.id, p), (f, &patch), at, self.deepest_point());
-        if let Some(met) = &mut met {
-            // Its surface goes back to the side from which a sheet was touched, through that.
-            met.cuts = !topology.closed && !beside && last.is_some();
-        }
+        let met = self.over((corner.id, p), (f, &patch), at, self.deepest_point());
         (apart, met)
     }
 
@@ -132,12 +128,12 @@ impl Making<'_, '_> {
         let last = last.filter(|last| last.dot(normal).abs() > ALIKE);
         last.or_else(|| {
             let side = self.last_side(nodes, normal, |[p, id, _]| p == part && id == point)?;
-            Some(normal * -side.signum())
+            Some(normal * -side)
         })
     }
 
-    /// On which side of a face certain points were that last touched it or one beside it, as the cosine with its normal of the way
-    /// away from it. Across a fold of a sheet it is the winding that tells which side is which, if all faces agree on that.
+    /// On which side of a face certain points were that last touched it or one beside it: 1 for that of its normal, -1 for the other.
+    /// Across a fold of a sheet it is the winding that tells which side is which, if all faces agree on that.
     pub(super) fn last_side(
         &self,
         nodes: &[u32],
@@ -145,12 +141,13 @@ impl Making<'_, '_> {
         is: impl Fn(Key) -> bool,
     ) -> Option<f64> {
         let topology = self.site.side.topology;
+        let by_winding = topology.oriented && !topology.closed;
         let sides = self.touches.normals().filter_map(|(key, last)| {
             let beside = topology.faces.get(key[2] as usize)?.nodes();
             if !is(key) || !share_node(beside, nodes) {
                 return None;
             }
-            let normal = if topology.oriented && !topology.closed {
+            let normal = if by_winding {
                 Patch::new(self.corners(beside)).normal()?
             } else {
                 normal
@@ -158,7 +155,7 @@ impl Making<'_, '_> {
             Some(-last.dot(normal))
         });
         let side = sides.max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
-        (side.abs() > ALIKE).then_some(side)
+        (side.abs() > ALIKE).then_some(side.signum())
     }
 
     /// Adds the row of an edge and one of the `edges` of the target that cross, and returns how far they are from each other, or less \[m\].

@@ -35,7 +35,7 @@ pub(super) struct Convex {
     offset: DVec3,
     turn: DQuat,
     pub solid: Solid,
-    /// Centre of its box, in its own frame.
+    /// A place within it, in its own frame: the mean of its corners. The middle of its box may be outside of it.
     pub centre: DVec3,
 }
 
@@ -65,13 +65,16 @@ impl Convex {
 
 impl Part {
     pub fn new(offset: DVec3, turn: DQuat, solid: Solid) -> Self {
-        let (lo, hi) = solid.bounds();
+        let mut points = Vec::new();
+        solid.feature_points(DVec3::Y, &mut points);
+        let mean = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
+        let centre = mean + DVec3::Y * solid.edge_radius();
         Self {
             convex: Convex {
                 offset,
                 turn,
                 solid,
-                centre: 0.5 * (lo + hi),
+                centre,
             },
             faces: Watch::default(),
             edges: Watch::default(),

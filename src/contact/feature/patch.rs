@@ -180,11 +180,8 @@ impl Patch {
     }
 
     /// Where a ball around a point touches it, or would: from there the way to the point is along the normal. A flat patch has no
-    /// other such place than [`Self::foot`]. Newton's method for the least distance.
+    /// other such place than [`Self::foot`]; only for quads. Newton's method for the least distance.
     pub fn foot_of_ball(&self, centre: DVec3) -> Option<Foot> {
-        if self.count == 3 {
-            return self.foot(centre);
-        }
         let [a, b, c, d] = self.corners;
         let twist = a - b + c - d;
         let (from_u, from_v) = (b - a, d - a);
@@ -305,6 +302,27 @@ mod tests {
             }
             assert!(inside > 60, "{inside}");
         }
+    }
+
+    #[test]
+    fn a_ball_touches_along_the_normal() {
+        let patch = Patch::new(TWISTED.into_iter());
+        let mut inside = 0;
+        for i in 0..400 {
+            let [x, z] = [i % 20, i / 20].map(|k| 0.08 * f64::from(k) - 0.2);
+            let Some(foot) = patch.foot(DVec3::new(x, 0.3, z)) else {
+                continue;
+            };
+            inside += 1;
+            for radius in [0.3, -0.3] {
+                let ball = patch
+                    .foot_of_ball(foot.point + foot.normal * radius)
+                    .unwrap();
+                assert!(ball.point.distance(foot.point) < 1e-7);
+                assert!(ball.normal.distance(foot.normal) < 1e-7);
+            }
+        }
+        assert!(inside > 60, "{inside}");
     }
 
     #[test]

@@ -96,6 +96,5 @@ fn what_tumbles_is_caught_by_a_coarse_sheet() {
             }
         }
     }
-    // README: one of 800.
     assert!(through.len() <= 3, "{through:#?}");
 }

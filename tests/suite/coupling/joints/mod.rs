@@ -2,6 +2,7 @@
 
 mod motors;
 mod stops;
+mod swings;
 
 use super::{Mode, block, cuboid};
 use crate::support::weightless;
