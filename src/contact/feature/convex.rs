@@ -174,8 +174,7 @@ impl Making<'_, '_> {
         let Some(mut n) = patch.normal() else {
             return apart;
         };
-        // The edge of a box that touched is held for as long as there is any bulge.
-        let bulges = off.flat_for <= 0.0 || knows;
+        let bulges = off.flat_for <= 0.0;
         let ridge = |n| bulges.then(|| Ridge::of(&patch, n, topology.spacing))?;
         if off.points > self.near && !knows && ridge(n).is_none() {
             return apart;
