@@ -212,4 +212,12 @@ mod tests {
         assert_eq!(rope.edges.len(), 4);
         assert!((rope.spacing - 0.25).abs() < 1e-6);
     }
+    #[test]
+    fn faces_of_a_sheet_agree_on_its_sides_unless_one_is_turned_over() {
+        let mut net = shape::sheet(1.0, 1.0, 4, 4, 1e-3).unwrap();
+        let sheet = topology(net.clone());
+        assert!(sheet.oriented && !sheet.closed);
+        net.faces[4].swap(0, 1);
+        assert!(!topology(net).oriented);
+    }
 }

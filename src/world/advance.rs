@@ -133,7 +133,7 @@ impl Group {
         (TURN / spins.fold(0.0, f64::max)).max(dt / MOST)
     }
 
-    /// The longest substep in which no face of a sheet turns so far, as it is struck, that what strikes it comes past it, see [`THIN`], in a
+    /// The longest substep in which no face of a sheet turns so far, as a rigid body strikes it, that this comes past it, see [`THIN`], in a
     /// rigid step of `dt` s \[s\].
     fn longest_fold(&self, dt: f64) -> f64 {
         let mut longest = f64::INFINITY;

@@ -42,6 +42,7 @@ mod solid;
 mod solve;
 mod steady;
 mod step;
+mod stir;
 mod substep;
 mod ties;
 mod touch;

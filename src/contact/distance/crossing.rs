@@ -209,7 +209,7 @@ fn cuboid_edges_near(half: DVec3, lo: DVec3, hi: DVec3) -> u32 {
 }
 
 /// Edge `i` of 12 of a cuboid: its ends and the normals of its faces.
-fn cuboid_edge(i: usize, half: DVec3) -> ([DVec3; 2], [DVec3; 2]) {
+pub(super) fn cuboid_edge(i: usize, half: DVec3) -> ([DVec3; 2], [DVec3; 2]) {
     let side = |bit: usize| if i >> bit & 1 == 1 { 1.0 } else { -1.0 };
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
     let (along, first, second) = (i / 4, (i / 4 + 1) % 3, (i / 4 + 2) % 3);

@@ -1,5 +1,6 @@
 //! What a face of a deformable can meet before its nodes do: corners, edges and curved parts of a solid.
 
+use super::crossing::cuboid_edge;
 use super::{Core, Solid, primitive};
 use crate::contact::soup::{Edge, EdgeSearch};
 use crate::math::DVec3;
@@ -74,7 +75,7 @@ impl Solid {
     }
 
     /// Calls `found` for the straight lines along which a solid that is not grown can touch a face, `normal` being a unit normal
-    /// towards it, each with its number: edges of a hull whose sides look that way, the axis of a capsule, the line along which
+    /// towards it, each with its number: edges of a box or a hull whose sides look that way, the axis of a capsule, the line along which
     /// the side of a cylinder or a cone is lowest.
     pub fn for_each_line(&self, normal: DVec3, found: &mut dyn FnMut(u32, [DVec3; 2])) {
         let lowest = |y: f64, radius: f64| primitive::radial(-normal).1 * radius + DVec3::Y * y;
@@ -89,16 +90,9 @@ impl Solid {
             }
             Core::Cuboid(half) => {
                 for i in 0..12 {
-                    // Along one axis, on one side of each of the two others.
-                    let axis = i as usize / 4;
-                    let [a, b] = [(axis + 1) % 3, (axis + 2) % 3];
-                    let mut away = DVec3::ZERO;
-                    away[a] = if i & 1 == 0 { -1.0 } else { 1.0 };
-                    away[b] = if i & 2 == 0 { -1.0 } else { 1.0 };
-                    if away.dot(normal) < 0.0 {
-                        let mut along = DVec3::ZERO;
-                        along[axis] = 1.0;
-                        found(i, [(away - along) * *half, (away + along) * *half]);
+                    let (ends, [left, right]) = cuboid_edge(i, *half);
+                    if (left + right).dot(normal) < 0.0 {
+                        found(i as u32, ends);
                     }
                 }
             }

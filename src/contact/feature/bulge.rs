@@ -334,7 +334,7 @@ mod tests {
             let found = least(&**shape, &saddle(-0.1, bend, 0.0));
             assert!((found - (0.1 - below)).abs() < 1e-6, "{found}");
         }
-        // The lower edge of a box that lies along x, on a saddle whose ridge does.
+        // The lower edges of a box lie along x, 0.1 m beside the ridge of a saddle, which is 0.098 m below there and slants by 0.04.
         let corner = |x: f64, z: f64| DVec3::new(x, -0.2 - 0.2 * (x * x - z * z), z);
         let r = std::f64::consts::FRAC_1_SQRT_2;
         let corners = [
@@ -345,8 +345,8 @@ mod tests {
         ];
         let patch = Patch::new(corners.into_iter());
         let normal = patch.normal().unwrap();
-        let edge = SharedShape::cuboid(0.6, 0.1, 0.1);
-        let found = least(&*edge, &(patch, normal));
-        assert!((found - 0.1).abs() < 1e-2, "{found}");
+        let found = least(&*SharedShape::cuboid(0.6, 0.1, 0.1), &(patch, normal));
+        let expected = 0.098 / 1.0_f64.hypot(0.04);
+        assert!((found - expected).abs() < 1e-6, "{found}");
     }
 }

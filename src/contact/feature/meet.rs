@@ -61,8 +61,12 @@ impl Making<'_, '_> {
         if !can_push(cone.iter().copied(), -outward, last.is_some()) {
             return (apart, None);
         }
-        let at = (beside, &foot, outward);
-        let met = self.over((corner.id, p), (f, &patch), at, self.deepest_point());
+        let met = self.over(
+            (corner.id, p),
+            (f, &patch),
+            (beside, &foot, outward),
+            self.deepest_point(),
+        );
         (apart, met)
     }
 
@@ -120,7 +124,7 @@ impl Making<'_, '_> {
         before(normal).map(|_| normal)
     }
 
-    /// The normal that a point had when it last touched this face or one beside it that looks about the same way.
+    /// The normal that a point had when it last touched this face, or this face's on the side from which it touched one beside it.
     pub(super) fn last_normal(&self, key: Key, normal: DVec3) -> Option<DVec3> {
         let [part, point, f] = key;
         let nodes = self.site.side.topology.faces[f as usize].nodes();
@@ -143,8 +147,11 @@ impl Making<'_, '_> {
         let topology = self.site.side.topology;
         let by_winding = topology.oriented && !topology.closed;
         let sides = self.touches.normals().filter_map(|(key, last)| {
+            if !is(key) {
+                return None;
+            }
             let beside = topology.faces.get(key[2] as usize)?.nodes();
-            if !is(key) || !share_node(beside, nodes) {
+            if !share_node(beside, nodes) {
                 return None;
             }
             let normal = if by_winding {
