@@ -94,7 +94,8 @@ fn what_tumbles_is_caught_by_a_coarse_sheet() {
             }
         }
     }
-    assert!(through.len() <= 3, "{through:#?}");
+    // One does.
+    assert!(through.len() <= 2, "{through:#?}");
 }
 
 /// The middle of the box around a tetrahedron with a right-angled corner lies beyond its slanted facet. While that was taken for the
