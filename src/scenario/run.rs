@@ -91,6 +91,8 @@ pub struct Run {
     pub energy: Vec<f64>,
     /// What the scene does before every step, such as to move a platform.
     pub lead: Option<Lead>,
+    /// What `lead` could not do first, in words. A run of a scene file with a fault fails.
+    pub fault: Option<String>,
     /// What Rapier asks about pairs of colliders.
     pub hooks: Arc<dyn PhysicsHooks>,
     most: Vec<(DeformableHandle, u64)>,
@@ -124,6 +126,7 @@ impl Run {
             steps: 0,
             energy: Vec::new(),
             lead: None,
+            fault: None,
             hooks: Arc::new(()),
             most: Vec::new(),
         }

@@ -66,14 +66,15 @@ fn depths<'a>(body: &'a Deformable, collider: &'a Collider) -> impl Iterator<Ite
     points.map(move |p| depth_in(collider.shape(), pose, p))
 }
 
-/// How many nodes are farther than `allowed` m in any solid now.
+/// How many nodes are farther than `allowed` m in any solid that they may touch now.
 pub fn nodes_through(world: &PhysicsWorld, deformables: &DeformableWorld, allowed: f64) -> usize {
-    let solids = || world.colliders.iter().filter(|(_, c)| !c.is_sensor());
-    let count = |body| {
-        let inside = solids().map(|(_, c)| depths(body, c).filter(|d| *d > allowed).count());
+    let count = |(soft, body)| {
+        let solids = world.colliders.iter();
+        let solids = solids.filter(|(solid, _)| deformables.may_touch(soft, *solid, world));
+        let inside = solids.map(|(_, c)| depths(body, c).filter(|d| *d > allowed).count());
         inside.sum::<usize>()
     };
-    deformables.iter().map(|(_, body)| count(body)).sum()
+    deformables.iter().map(count).sum()
 }
 
 /// Lowest node of any deformable \[m\].
@@ -98,16 +99,19 @@ pub fn all_finite(world: &PhysicsWorld, deformables: &DeformableWorld) -> bool {
     })
 }
 
-/// Largest rise of a series over its lowest value so far, over its range \[1\].
+/// Largest rise of a series over its lowest value so far, over its range \[1\]: 0 of what only falls or stays, 1 of what
+/// only rises.
 pub fn largest_rise(series: &[f64]) -> f64 {
-    let lowest = series.iter().copied().fold(f64::INFINITY, f64::min);
-    let highest = series.first().copied().unwrap_or(0.0);
-    let (mut least, mut rise) = (f64::INFINITY, 0.0_f64);
+    let (mut least, mut most, mut rise) = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
     for &e in series {
         least = least.min(e);
-        rise = rise.max(e - least);
+        most = most.max(e);
+        rise = larger(rise, e - least);
     }
-    rise / (highest - lowest).max(f64::MIN_POSITIVE)
+    match most > least {
+        true => rise / (most - least),
+        false => rise,
+    }
 }
 
 /// The figures of a scene in which everything may touch everything.
@@ -148,6 +152,9 @@ mod tests {
     fn a_rise_is_over_the_lowest_so_far() {
         assert_eq!(largest_rise(&[4.0, 2.0, 0.0]), 0.0);
         assert_eq!(largest_rise(&[4.0, 1.0, 2.0, 0.0]), 0.25);
+        assert_eq!(largest_rise(&[0.0, 1.0, 3.0]), 1.0);
+        assert_eq!(largest_rise(&[2.0, 2.0]), 0.0);
         assert_eq!(largest_rise(&[]), 0.0);
+        assert!(largest_rise(&[1.0, f64::NAN, 0.0]).is_nan());
     }
 }

@@ -2,8 +2,10 @@
 //! none.
 
 use super::{Deformable, DeformableHandle, DeformableWorld};
+use crate::contact::target::{admits, pushes};
 use rapier3d::dynamics::{RigidBody, RigidBodyHandle};
 use rapier3d::geometry::{Collider, ColliderHandle};
+use rapier3d::pipeline::PhysicsWorld;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -130,6 +132,29 @@ impl DeformableWorld {
             && other.is_enabled()
             && groups[0].test(groups[1])
             && (hooks.as_ref()).is_none_or(|h| h.filter_pair((first, one), (second, other)))
+    }
+
+    /// Whether a deformable and a collider may touch, by being enabled, by their groups, and by the hooks. A sensor never does.
+    pub fn may_touch(
+        &self,
+        deformable: DeformableHandle,
+        collider: ColliderHandle,
+        world: &PhysicsWorld,
+    ) -> bool {
+        let found = self.get(deformable).zip(world.colliders.get(collider));
+        let Some((soft, rigid)) = found else {
+            return false;
+        };
+        let parent = rigid.parent().and_then(|h| Some((h, world.bodies.get(h)?)));
+        let pair = PairContext {
+            deformable: (deformable, soft),
+            collider: (collider, rigid),
+            body: parent,
+        };
+        soft.is_enabled()
+            && admits(rigid, parent.map(|(_, body)| body), &soft.surface)
+            && pushes(rigid, &soft.surface)
+            && (self.gate.hooks.as_ref()).is_none_or(|h| h.filter(&pair))
     }
 
     /// The gate, to be asked while the world is looked at. A panic of a hook takes the answers along, never the hooks.

@@ -94,20 +94,27 @@ pub struct Failed {
     pub table: String,
 }
 
+/// Whether everything is finite and was all the time, what acts as well.
+fn is_whole(run: &ScenarioRun) -> bool {
+    let run = &run.run;
+    survey::all_finite(&run.world, &run.deformables) && run.fault.is_none()
+}
+
 /// What fails of a run in which something has become infinite or NaN: the rest of it is worth nothing.
 fn not_finite(run: &ScenarioRun) -> Option<Check> {
     let Run {
-        world,
         deformables,
         cast,
+        fault,
         ..
     } = &run.run;
-    if survey::all_finite(world, deformables) {
+    if is_whole(run) {
         return None;
     }
     let frozen = |h| deformables.get(h).is_some_and(|b| b.is_frozen());
     let frozen = cast.deformables.iter().filter(|(_, h)| frozen(*h));
-    let names: Vec<String> = frozen.map(|(name, _)| format!("`{name}` froze")).collect();
+    let froze = frozen.map(|(name, _)| format!("`{name}` froze"));
+    let names: Vec<String> = fault.iter().cloned().chain(froze).collect();
     let name = match names[..] {
         [] => "Finite".to_owned(),
         _ => format!("Finite: {}", names.join(", ")),
@@ -216,7 +223,7 @@ fn measure(e: &Expectation, run: &ScenarioRun) -> Result<Measured, RunError> {
             let asleep = bodies.filter(|(_, b)| b.is_dynamic() && b.is_sleeping());
             whole(asleep.count() as f64)
         }
-        Quantity::Finite => whole(f64::from(u8::from(survey::all_finite(world, soft)))),
+        Quantity::Finite => whole(f64::from(u8::from(is_whole(run)))),
         Quantity::Time => whole(soft.time()),
         counted => whole(run.count(counted).unwrap_or(f64::NAN)),
     })

@@ -9,6 +9,11 @@ pub(super) type Measured = (f64, Option<f64>);
 /// Most samples of one channel.
 const MOST: f64 = 1.0e8;
 
+/// Times are sums of steps in `f32`, a ten-millionth off at the most.
+fn rounding(time: f64) -> f64 {
+    1.0e-9 + 1.0e-7 * time.abs()
+}
+
 const NONE: Measured = (f64::NAN, None);
 
 impl Series {
@@ -26,6 +31,7 @@ impl Series {
             return Self::default();
         }
         let pairs = self.times.iter().zip(&self.values);
+        let (from, to) = (from - rounding(from), to + rounding(to));
         let inside = pairs.filter(|(t, _)| (from..=to).contains(*t));
         let (times, values) = inside.map(|(t, v)| (*t, *v)).unzip();
         Self {
@@ -134,7 +140,7 @@ impl Series {
         {
             return *v;
         }
-        let slack = self.bins.unwrap_or(0.0).max(1.0e-9);
+        let slack = self.bins.unwrap_or(0.0).max(rounding(time));
         let ends = |i: usize| (self.times.get(i), self.values.get(i));
         match (ends(after.wrapping_sub(1)), ends(after)) {
             ((Some(a), Some(x)), (Some(b), Some(y))) => x + (y - x) * (time - a) / (b - a),
@@ -184,6 +190,12 @@ mod tests {
         assert_eq!((s.at(1.5), s.at(0.0), s.at(3.0)), (-0.5, 1.0, 3.0));
         assert!(s.at(3.1).is_nan() && s.at(-0.1).is_nan());
         assert_eq!(s.between(Some([1.0, 2.0])).values, [3.0, -4.0]);
+        // The end of a run, as steps in `f32` sum up to it.
+        let mut late = s.clone();
+        late.times[3] += 1.0e-7;
+        assert_eq!(late.between(Some([1.0, 3.0])).values, [3.0, -4.0, 3.0]);
+        late.times[3] -= 2.0e-7;
+        assert_eq!(late.at(3.0), 3.0);
         let bins = Series {
             bins: Some(0.5),
             ..series(&[2.0, 4.0])

@@ -215,3 +215,57 @@ fn the_reference_names_every_key() {
     assert_eq!(dt.default, "1.0 / 60.0");
     assert!(dt.doc.contains("\\[s\\]"));
 }
+
+#[test]
+fn what_can_not_be_is_told_of_a_whole_scene() {
+    let scene = |more: &str| {
+        problems(&format!(
+            r#"(deformables: [
+                (name: "a", body: Net(nodes: [(at: (0, 0, 0), mass: 1)])),
+                (name: "b", body: Net(nodes: [(at: (1, 0, 0), mass: 1, pinned: true)])),
+            ], {more})"#
+        ))
+    };
+    let closure = r#"expect: [(that: MomentumClosure, at_most: 1e-3)]"#;
+    for (more, key, what) in [
+        ("view: (0, 0, 0)", "view", "no direction"),
+        (closure, "expect[0]", "`b` has pinned nodes"),
+    ] {
+        let found = scene(more);
+        let [found] = &found[..] else {
+            panic!("{more}: {found:?}");
+        };
+        assert!(found.contains(key) && found.contains(what), "{found}");
+    }
+}
+
+#[test]
+fn nothing_is_looked_at_after_the_end() {
+    let scene = |more: &str| {
+        let text = format!(
+            r#"(world: (duration: 1, dt: 0.03), deformables: [
+                (name: "a", body: Net(nodes: [(at: (0, 0, 0), mass: 1)])),
+            ], {more})"#
+        );
+        let started = load(&text).unwrap().start();
+        started.map(|_| ()).map_err(|e| e.to_string())
+    };
+    let at =
+        |time: f64| format!("expect: [(that: At(channel: Fastest, time: {time}), at_least: 0)]");
+    let over = |to: f64| format!("expect: [(that: Peak(Fastest), over: (0.1, {to}), at_least: 0)]");
+    // 34 steps end at 1.02 s.
+    for whole in [at(1.02), over(1.0), "frames: [1.0]".into()] {
+        assert_eq!(scene(&whole), Ok(()));
+    }
+    for (late, what) in [
+        (
+            at(1.1),
+            "expect[0]: 1.1 s is after the end of the run at 1.02 s",
+        ),
+        (over(2.0), "expect[0]: 2 s"),
+        ("frames: [0, 3]".into(), "frames: 3 s"),
+    ] {
+        let error = scene(&late).unwrap_err();
+        assert!(error.starts_with(what), "{error}");
+    }
+}

@@ -3,7 +3,7 @@
 
 use super::decode::Decoder;
 use super::limits::USUAL_RATE;
-use super::model::{Act, Body, Channel, Probe, RigidKind, Scenario, Signal};
+use super::model::{Act, Body, Channel, Probe, Quantity, RigidKind, Scenario, Signal};
 use super::tree::Node;
 use std::collections::BTreeMap;
 
@@ -38,8 +38,18 @@ pub(super) fn check(scene: &Scenario, node: &Node, d: &mut Decoder) {
         if let Some(what) = channel.and_then(|c| bodies.have_not(c)) {
             d.wrong_item(node, "expect", i, what.into());
         }
+        if matches!(expected.that, Quantity::MomentumClosure)
+            && let Some(what) = bodies.not_closed(scene)
+        {
+            d.wrong_item(node, "expect", i, what);
+        }
     }
     frames(scene, node, d);
+    if scene.view == [0.0; 3] {
+        let at = node.get("view").unwrap_or(node).at;
+        let what = "is no direction, it must point from the scene to the eye";
+        d.within(".view", |d| d.wrong(at, |_| what.into()));
+    }
 }
 
 /// What stands for a collider.
@@ -137,6 +147,25 @@ impl<'a> Bodies<'a> {
             soft: soft.collect(),
             motors: motors.map(|j| j.name.as_str()).collect(),
         }
+    }
+
+    /// Why the impulses that are recorded do not sum up to the change of momentum, if they can't.
+    fn not_closed(&self, scene: &Scenario) -> Option<String> {
+        let pinned = self.soft.iter().find(|(_, (pinned, _))| *pinned);
+        let dragged = scene.deformables.iter().find(|body| body.drag > 0.0);
+        let mut acts = scene.actuators.iter();
+        let pushed = acts.find_map(|act| match act {
+            Act::Force { on, .. } => self.soft.get_key_value(on.as_str()),
+            _ => None,
+        });
+        let (name, why) = match (pinned, dragged, pushed) {
+            (Some((name, _)), ..) => (*name, "has pinned nodes"),
+            (_, Some(body), _) => (body.name.as_str(), "has drag"),
+            (.., Some((name, _))) => (*name, "has a force of an actuator"),
+            _ => return None,
+        };
+        let what = "contacts, attachments and gravity alone are summed";
+        Some(format!("`{name}` {why}: {what}"))
     }
 
     /// Why what an action is about can't take it.

@@ -1,6 +1,7 @@
 //! The commands for scene files.
 
 use crumple::scenario::file::{LoadOptions, Scenario, embedded_names, reference, scenes_in};
+use crumple::scenario::survey;
 use std::path::PathBuf;
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
@@ -68,6 +69,80 @@ fn a_run_that_blows_up_fails() {
     assert!(outcome.verdict().unwrap_err().to_string().contains("stone"));
     // A scene may be about that.
     assert!(scene("(that: Finite, at_most: 0)").passed());
+}
+
+/// What acts and is not finite is left out, and the run is no good. A force of NaN left every trace of a run that is well.
+#[test]
+fn a_run_whose_actuator_is_not_finite_fails() {
+    for act in [
+        r#"Force(on: "box", force: ("1 / (t - t)", 0, 0))"#,
+        r#"Force(on: "box", torque: ("sqrt(0.05 - t)", 0, 0))"#,
+        r#"Force(on: "stone", force: (0, "1e42 * t", 0))"#,
+        r#"Move(of: "lift", by: (0, "ln(0.05 - t)", 0))"#,
+        r#"Move(of: "held", by: (0, "ln(0.05 - t)", 0))"#,
+        r#"Drive(joint: "hinge", velocity: "0 / (t - t)")"#,
+    ] {
+        let text = format!(
+            r#"(
+            world: (duration: 0.1, dt: 0.01, gravity: (0, 0, 0)),
+            rigid: [
+                (name: "box", colliders: [(shape: Ball(0.1), mass: 2)]),
+                (name: "lift", kind: KinematicPosition, translation: (0, 5, 0)),
+            ],
+            joints: [(name: "hinge", a: "box", b: "lift", kind: Revolute((0, 0, 1)), motor: (damping: 1))],
+            deformables: [
+                (name: "stone", body: Net(nodes: [(at: (5, 0, 0), mass: 2)])),
+                (name: "held", body: Net(nodes: [(at: (9, 0, 0), mass: 2, pinned: true)])),
+            ],
+            actuators: [{act}],
+        )"#
+        );
+        let path = std::path::Path::new("acts.ron");
+        let scenario = Scenario::parse(&text, path, &LoadOptions::default());
+        let outcome = scenario.unwrap_or_else(|e| panic!("{e}")).run().unwrap();
+        let [finite] = &outcome.checks[..] else {
+            panic!("{act}: {:?}", outcome.checks);
+        };
+        assert!(!finite.passed);
+        let said = "Finite: actuators[0] is not finite in the step from 0";
+        assert!(finite.name.starts_with(said), "{act}: {}", finite.name);
+        let run = &outcome.run.run;
+        assert!(survey::all_finite(&run.world, &run.deformables));
+    }
+}
+
+/// What a node may not touch it can't be through.
+#[test]
+fn nodes_are_through_what_they_may_touch() {
+    let stays = "kind: Fixed, colliders: [(shape: Ball(0.5)";
+    for (rigid, more, through) in [
+        (format!("{stays})]"), "", 1),
+        (format!("{stays}, sensor: true)]"), "", 0),
+        (format!("{stays}, groups: (member: [2]))]"), "", 0),
+        (format!("{stays}, solver_groups: (member: [2]))]"), "", 0),
+        (
+            format!("{stays})]"),
+            r#"no_contact: [("rock", "stone")],"#,
+            0,
+        ),
+    ] {
+        let text = format!(
+            r#"(
+            world: (duration: 0.01, dt: 0.01, gravity: (0, 0, 0)),
+            rigid: [(name: "rock", {rigid})],
+            deformables: [(
+                name: "stone", body: Net(nodes: [(at: (0, 0.1, 0), mass: 2)]),
+                groups: (with: [1]), solver_groups: (with: [1]),
+            )],
+            {more}
+            expect: [(that: NodesThrough(0.01), equals: {through}, within: 0)],
+        )"#
+        );
+        let path = std::path::Path::new("through.ron");
+        let scenario = Scenario::parse(&text, path, &LoadOptions::default());
+        let outcome = scenario.unwrap_or_else(|e| panic!("{e}")).run().unwrap();
+        assert!(outcome.passed(), "{rigid} {more}: {outcome}");
+    }
 }
 
 /// A ball bound to a box of tets that is larger than it rests on the ball, with the box in the floor.

@@ -49,27 +49,30 @@ fn at(signals: &[Signal; 3], time: f64) -> Vector {
     vector(std::array::from_fn(|i| signals[i].at(time)))
 }
 
+/// The acts of a scene, and which actuator each is of.
+type Acts = Vec<(usize, Act)>;
+
 /// Finds what the actuators of a scene act on.
 pub(super) fn prepare(
     scene: &Scenario,
     run: &Run,
     joints: &[(String, ImpulseJointHandle)],
-) -> Result<Vec<Act>, RunError> {
+) -> Result<Acts, RunError> {
     let mut acts = Vec::new();
-    for act in &scene.actuators {
-        match act {
+    for (i, act) in scene.actuators.iter().enumerate() {
+        let act = match act {
             model::Act::Force {
                 on,
                 nodes,
                 force,
                 torque,
-            } => acts.extend(push(run, on, nodes.as_ref(), force, torque)?),
+            } => push(run, on, nodes.as_ref(), force, torque)?,
             model::Act::Move {
                 of,
                 nodes,
                 by,
                 turn,
-            } => acts.extend(lead(run, of, nodes.as_ref(), by, turn)?),
+            } => lead(run, of, nodes.as_ref(), by, turn)?,
             model::Act::Drive {
                 joint: name,
                 position,
@@ -84,23 +87,24 @@ pub(super) fn prepare(
                     let what = "only a joint with a motor can be driven";
                     return unfit(name, what);
                 };
-                acts.push(Act::Drive {
+                Some(Act::Drive {
                     joint,
                     axis,
                     position: position.clone(),
                     velocity: velocity.clone(),
-                });
+                })
             }
-        }
+        };
+        acts.extend(act.map(|act| (i, act)));
     }
     alone(run, &acts)?;
     Ok(acts)
 }
 
 /// A node can't be led by two.
-fn alone(run: &Run, acts: &[Act]) -> Result<(), RunError> {
+fn alone(run: &Run, acts: &Acts) -> Result<(), RunError> {
     let mut led = HashSet::new();
-    for act in acts {
+    for (_, act) in acts {
         let Act::LeadNodes { body, nodes, .. } = act else {
             continue;
         };
@@ -216,25 +220,38 @@ impl Act {
         }
     }
 
-    /// Acts on the coming step.
-    pub fn apply(&self, run: &mut Run) {
+    /// Acts on the coming step; does nothing, and says so by `false`, where a signal is not finite.
+    pub fn apply(&self, run: &mut Run) -> bool {
         // Whole steps: the sum of Rapier's, which are `f32`, drifts by 1e-8.
         let steps = run.steps as f64;
         let [middle, end] = [0.5, 1.0].map(|share| (steps + share) * run.options.dt);
+        let vector = |signals: &[Signal; 3], time| {
+            Some(at(signals, time)).filter(|v: &Vector| v.is_finite())
+        };
+        let number = |signal: &Option<Signal>, time| {
+            let value = signal.as_ref().map(|s| s.at(time) as Real);
+            value.is_none_or(Real::is_finite).then_some(value)
+        };
         match self {
             Self::PushRigid {
                 body,
                 force,
                 torque,
             } => {
+                let (Some(force), Some(torque)) = (vector(force, middle), vector(torque, middle))
+                else {
+                    return false;
+                };
                 if let Some(body) = run.world.bodies.get_mut(*body) {
-                    let (force, torque) = (at(force, middle), at(torque, middle));
                     // A force of nothing must not keep a body awake.
                     body.add_force(force, force != Vector::ZERO);
                     body.add_torque(torque, torque != Vector::ZERO);
                 }
             }
             Self::PushNodes { body, nodes, force } => {
+                if vector(force, middle).is_none() {
+                    return false;
+                }
                 let force = DVec3::from_array(std::array::from_fn(|i| force[i].at(middle)));
                 if let Some(body) = run.deformables.get_mut(*body) {
                     for (node, share) in nodes {
@@ -248,13 +265,19 @@ impl Act {
                 by,
                 turn,
             } => {
-                let turn = Rotation::from_scaled_axis(at(turn, end)) * from.rotation;
-                let place = from.translation + at(by, end);
+                let (Some(by), Some(turn)) = (vector(by, end), vector(turn, end)) else {
+                    return false;
+                };
+                let turn = Rotation::from_scaled_axis(turn) * from.rotation;
+                let place = from.translation + by;
                 if let Some(body) = run.world.bodies.get_mut(*body) {
                     body.set_next_kinematic_position(Pose::from_parts(place, turn));
                 }
             }
             Self::LeadNodes { body, nodes, by } => {
+                if vector(by, end).is_none() {
+                    return false;
+                }
                 let by = DVec3::from_array(std::array::from_fn(|i| by[i].at(end)));
                 if let Some(body) = run.deformables.get_mut(*body) {
                     for (node, from) in nodes {
@@ -268,16 +291,18 @@ impl Act {
                 position,
                 velocity,
             } => {
+                let (Some(position), Some(velocity)) =
+                    (number(position, end), number(velocity, middle))
+                else {
+                    return false;
+                };
                 if let Some(joint) = run.world.impulse_joints.get_mut(*joint, true) {
                     let motor = &mut joint.data.motors[*axis as usize];
-                    if let Some(position) = position {
-                        motor.target_pos = position.at(end) as Real;
-                    }
-                    if let Some(velocity) = velocity {
-                        motor.target_vel = velocity.at(middle) as Real;
-                    }
+                    motor.target_pos = position.unwrap_or(motor.target_pos);
+                    motor.target_vel = velocity.unwrap_or(motor.target_vel);
                 }
             }
         }
+        true
     }
 }

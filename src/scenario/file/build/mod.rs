@@ -90,6 +90,16 @@ pub enum RunError {
         /// What can't be done, and to what it can.
         what: &'static str,
     },
+    /// Something is to be looked at when the run is over.
+    #[error("{what}: {time} s is after the end of the run at {end} s")]
+    Late {
+        /// The key, like `expect[2]`.
+        what: String,
+        /// When \[s\].
+        time: f64,
+        /// When the run ends \[s\].
+        end: f64,
+    },
     /// Something can't be recorded.
     #[error(transparent)]
     Record(#[from] RecordError),
@@ -179,8 +189,14 @@ fn build(scene: &Scenario) -> Result<Run, RunError> {
     let acts = acts::prepare(scene, &run, &joints)?;
     if !acts.is_empty() {
         run.lead = Some(Box::new(move |run| {
-            acts.iter().for_each(|act| act.end(run));
-            acts.iter().for_each(|act| act.apply(run));
+            acts.iter().for_each(|(_, act)| act.end(run));
+            for (i, act) in &acts {
+                if !act.apply(run) && run.fault.is_none() {
+                    let from = run.steps as f64 * run.options.dt;
+                    let what = format!("actuators[{i}] is not finite in the step from {from} s");
+                    run.fault = Some(what);
+                }
+            }
         }));
     }
     Ok(run)

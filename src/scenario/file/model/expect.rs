@@ -110,15 +110,16 @@ choice! {
         Rebound(Channel);
         /// Largest energy residual of any deformable, as a share of its energies.
         EnergyResidual;
-        /// Largest error of Σ impulses = Δp of any deformable, as a share of Δp.
+        /// Largest error of Σ impulses = Δp of any deformable, as a share of Δp. Impulses are those of contacts, attachments and
+        /// gravity; bodies with pinned nodes, drag or forces of actuators do not close.
         MomentumClosure;
         /// Work of shadows that Rapier did otherwise, summed over its absolute values \[J\].
         CouplingDefect;
-        /// Largest rise of the mechanical energy over its lowest so far, as a share of its range.
+        /// Largest rise of the mechanical energy over its lowest so far, as a share of its range: 1 of what only rises.
         EnergyRise;
         /// Deepest that any node was in anything \[m\].
         DeepestPenetration;
-        /// Nodes deeper than this in solids at the end \[m\].
+        /// Nodes deeper than this in solids that they may touch, at the end \[m\].
         NodesThrough(f64, NOT_NEGATIVE);
         /// Springs that have begun to yield.
         Yielded;

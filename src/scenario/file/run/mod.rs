@@ -30,6 +30,7 @@ impl Scenario {
     /// [`RunError`].
     pub fn start(&self) -> Result<ScenarioRun, RunError> {
         let mut run = self.build()?;
+        self.nothing_late(run.total_steps() as f64 * self.world.dt)?;
         let follows = Follows::begin(self, &mut run)?;
         let trace = Trace::begin(&run);
         Ok(ScenarioRun {
@@ -40,6 +41,24 @@ impl Scenario {
             calm_since: None,
             stopped: false,
         })
+    }
+
+    /// Complains of what would have to be looked at after the end of the run \[s\].
+    fn nothing_late(&self, end: f64) -> Result<(), RunError> {
+        let end = end.max(self.world.duration);
+        let frames = self.frames.iter().map(|time| ("frames".to_owned(), *time));
+        let looks = self.expect.iter().enumerate().filter_map(|(i, e)| {
+            let time = match (&e.that, e.over) {
+                (Quantity::At { time, .. }, _) => *time,
+                (_, over) => over?[1],
+            };
+            Some((format!("expect[{i}]"), time))
+        });
+        let late = |(_, time): &(String, f64)| *time > end + 1.0e-6 * end;
+        match frames.chain(looks).find(late) {
+            Some((what, time)) => Err(RunError::Late { what, time, end }),
+            None => Ok(()),
+        }
     }
 
     /// Runs the scene to its end and looks at what was expected.
