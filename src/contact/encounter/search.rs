@@ -104,7 +104,13 @@ fn list_edges(list: &mut Vec<(u32, u32)>, a: &Posed, b: &Posed, radius: f64) {
     list.clear();
     for edge in 0..a.outline.edges.len() as u32 {
         let ends = a.ends(edge);
-        let (lo, hi) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+        let (lo, hi) = bounds(ends);
+        // Boxes first: of most pairs even these are too far apart.
+        let may_reach = |other| {
+            let (from, to) = bounds(other);
+            let apart = (from - hi).max(lo - to).max(DVec3::ZERO);
+            apart.length_squared() <= radius * radius
+        };
         let overlap = b.may_hold(lo, radius + hi.distance(lo));
         if !overlap || a.outline.is_broken(edge, a.state) {
             continue;
@@ -114,11 +120,19 @@ fn list_edges(list: &mut Vec<(u32, u32)>, a: &Posed, b: &Posed, radius: f64) {
             .near(lo - b.shift, hi - b.shift, radius, |element| {
                 for other in b.outline.edges_of[element as usize] {
                     let owned = other != NONE && b.outline.owner[other as usize] == element;
-                    if owned && between_segments(ends, b.ends(other)).0 <= radius {
+                    if !owned {
+                        continue;
+                    }
+                    let others = b.ends(other);
+                    if may_reach(others) && between_segments(ends, others).0 <= radius {
                         list.push((edge, other));
                     }
                 }
             });
         list[first..].sort_unstable();
     }
+}
+
+fn bounds([a, b]: [DVec3; 2]) -> (DVec3, DVec3) {
+    (a.min(b), a.max(b))
 }

@@ -68,13 +68,14 @@ impl Attempt {
                 lift,
                 ..
             } = pass.contacts[row];
+            let (excess, slip) = pass.errors(row);
             RowBefore {
                 row,
                 normal_impulse,
                 friction_impulse,
                 lift,
-                excess: pass.missed(row),
-                slip: pass.slip(row),
+                excess,
+                slip,
             }
         }));
         self.ties.clear();
@@ -91,8 +92,8 @@ impl Attempt {
             let row = &pass.contacts[before.row];
             let pressed = row.normal_impulse - before.normal_impulse;
             let rubbed = row.friction_impulse - before.friction_impulse;
-            pressed * (before.excess + pass.missed(before.row))
-                + rubbed.dot(before.slip + pass.slip(before.row))
+            let (excess, slip) = pass.errors(before.row);
+            pressed * (before.excess + excess) + rubbed.dot(before.slip + slip)
         });
         let ties = self.ties.iter().map(|before| {
             let change = pass.ties[before.tie].impulse - before.impulse;
@@ -121,7 +122,8 @@ impl Pass<'_> {
             friction_impulse,
             ..
         } = self.contacts[i];
-        normal_impulse * self.missed(i) + friction_impulse.dot(self.slip(i))
+        let (excess, slip) = self.errors(i);
+        normal_impulse * excess + friction_impulse.dot(slip)
     }
 
     /// The same for a tie.
@@ -132,6 +134,13 @@ impl Pass<'_> {
     /// By how much the normal velocity of a row exceeds what it is to be, with its lift \[m/s\].
     pub fn missed(&self, i: usize) -> f64 {
         self.excess(i) - self.contacts[i].lift.speed
+    }
+
+    /// That, and the velocity by which the point slips, see [`Row::slip`].
+    #[inline(always)]
+    fn errors(&self, i: usize) -> (f64, DVec3) {
+        let (row, relative) = (&self.contacts[i], self.relative(i));
+        (row.excess(relative) - row.lift.speed, row.slip(relative))
     }
 
     /// Whether anything comes deeper at more than `fastest` m/s, or is lifted by that much slower than it is to be although it has

@@ -293,7 +293,7 @@ impl Pass<'_> {
 
     /// Velocity of a row's point relative to its shadow's surface \[m/s\].
     #[inline(always)]
-    fn relative(&self, i: usize) -> DVec3 {
+    pub fn relative(&self, i: usize) -> DVec3 {
         let row = &self.contacts[i];
         let shadow = &self.shadows[row.shadow as usize];
         self.points.velocity_of(row) - shadow.velocity_at(row.arm)

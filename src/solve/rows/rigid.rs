@@ -257,10 +257,16 @@ impl RigidRow {
     /// The same along the normal and the sides.
     #[inline(always)]
     fn velocities(&self, shadows: &[Shadow]) -> [f64; 3] {
-        let [a, b] = self.shadows.map(|i| &shadows[i as usize]);
+        let [a, b] = self.shadows;
+        let (a, b) = (&shadows[a as usize], &shadows[b as usize]);
         let (relative, spins) = (b.v - a.v, [a.w, b.w]);
-        let axes = &self.made.axes;
-        [0, 1, 2].map(|i| axes[i].speed(relative, spins))
+        // Not by `map`, which is no more than a call here to the compiler.
+        let [n, s, t] = &self.made.axes;
+        [
+            n.speed(relative, spins),
+            s.speed(relative, spins),
+            t.speed(relative, spins),
+        ]
     }
 
     /// Gives the shadows an impulse along the normal and the sides \[N·s\].
