@@ -10,6 +10,8 @@ use crate::solve::rows::{RowNode, Rows, Term, Terms};
 
 /// Nodes whose determinant of inertia is less than this, over the cube of Σ m·r² about their centre, count as lying on a line \[1\].
 const ON_A_LINE: f64 = 1e-4;
+/// Nodes that are no farther apart than this, per distance from their body's origin, count as one: what is left is rounding \[1\].
+const ONE: f64 = 1e-7;
 
 impl Group {
     /// Mends depth, creep of what sticks, and errors of ties at position level, on the nodes alone, which gives nothing any
@@ -83,31 +85,36 @@ impl Group {
 }
 
 /// Turns the nodes of a row about the centre of their mass, all by one rotation, so that they have that much more angular
-/// momentum, and books the work. None of those that are held, nor of those on a line: they can't take it.
+/// momentum, and books the work. None of those that are held, nor of those on a line or in one place, as nodes of blocks that lie
+/// exactly on each other: they can't take it.
 fn turn(members: &mut Members, nodes: &mut [RowNode], terms: &[Term], lost: DVec3, h: f64) {
     let of = |t: &Term| &nodes[t.node as usize];
     let is_held = |t: &Term| of(t).inv_mass == 0.0 || t.share != t.weight;
     if lost == DVec3::ZERO || terms.iter().any(is_held) {
         return;
     }
-    let (mut mass, mut center, mut square) = (0.0, DVec3::ZERO, DMat3::ZERO);
     let first = members[of(&terms[0]).body as usize].1.state.origin;
     let place = |members: &Members, node: &RowNode| {
         let state = &members[node.body as usize].1.state;
         state.local(node.node as usize) + (state.origin - first)
     };
+    let (mut mass, mut center) = (0.0, DVec3::ZERO);
     for node in terms.iter().map(of) {
-        let (m, x) = (1.0 / node.inv_mass, place(members, node));
+        let m = 1.0 / node.inv_mass;
         mass += m;
-        center += x * m;
-        square += DMat3::from_cols(x * x.x, x * x.y, x * x.z) * m;
+        center += place(members, node) * m;
     }
     center /= mass;
-    let c = center * mass;
-    let square = square - DMat3::from_cols(c * center.x, c * center.y, c * center.z);
+    // About the centre and not the origin, of which a difference of two large numbers would be left where nodes coincide.
+    let mut square = DMat3::ZERO;
+    for node in terms.iter().map(of) {
+        let (m, x) = (1.0 / node.inv_mass, place(members, node) - center);
+        square += DMat3::from_cols(x * x.x, x * x.y, x * x.z) * m;
+    }
     let trace = square.x_axis.x + square.y_axis.y + square.z_axis.z;
     let inertia = DMat3::from_diagonal(DVec3::splat(trace)) - square;
-    let can_turn = inertia.determinant() > ON_A_LINE * trace.powi(3);
+    let are_apart = trace > mass * (ONE * ONE) * center.length_squared();
+    let can_turn = are_apart && inertia.determinant() > ON_A_LINE * trace.powi(3);
     if !can_turn {
         return;
     }

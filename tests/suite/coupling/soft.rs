@@ -5,7 +5,7 @@ use crumple::body::{Net, Node};
 use crumple::math::DVec3;
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
-use crumple::shape;
+use crumple::shape::{self, TetSplit};
 
 /// A cube of `side` m in cells of .1 m, E = 1 MPa, 200 kg/m³.
 fn soft(side: f32) -> DeformableBuilder {
@@ -82,6 +82,43 @@ fn a_slight_overhang_bears() {
         }
         let lowest = deformables[above].bounds().0.y;
         assert!(lowest > 0.05 - 1.0e-3, "overhang {overhang}: {lowest}");
+    }
+}
+
+/// Blocks that lie exactly on each other, node on node: what is left of their nodes' distances is rounding, and their second moments
+/// are none. By the inverse of that both froze in the first step.
+#[test]
+fn blocks_lie_exactly_on_each_other() {
+    let tets = |_| {
+        let mesh = shape::tet_box(Vector::splat(0.3), 0.15, TetSplit::Six);
+        DeformableBuilder::tets(mesh, Solid::new(5.0e6, 0.3, 5.0).damping(0.0, 3.0e-4))
+    };
+    let lattice = |mass: f32| {
+        DeformableBuilder::new(shape::lattice(Vector::splat(0.3), 0.1))
+            .material(Material::rubber())
+            .total_mass(mass)
+            .substeps(Substeps::Fixed(2000))
+    };
+    let makes: [(&dyn Fn(f32) -> DeformableBuilder, usize); 2] = [(&tets, 60), (&lattice, 4)];
+    for (make, steps) in makes {
+        let mut world = PhysicsWorld::default();
+        world.integration_parameters.dt = 1.0 / 240.0;
+        world.insert(
+            RigidBodyBuilder::fixed(),
+            ColliderBuilder::cuboid(5.0, 0.5, 5.0).translation(-0.5 * Vector::Y),
+        );
+        let mut deformables = DeformableWorld::default();
+        let handles = [(0.15, 27.0), (0.45, 270.0)].map(|(y, mass)| {
+            let block = make(mass).friction(0.5).translation(Vector::Y * y);
+            deformables.insert(block).unwrap()
+        });
+        for _ in 0..steps {
+            deformables.step(&mut world);
+            assert!(deformables.report().frozen.is_empty());
+        }
+        for (handle, y) in handles.iter().zip([0.15, 0.45]) {
+            close("height", deformables[*handle].center_of_mass().y, y, 0.01);
+        }
     }
 }
 
