@@ -155,7 +155,7 @@ impl Target {
             turn: Turn::default(),
             rigid_share: self.rigid_share,
             friction: self.friction,
-            softness: self.stiffness.map_or(0.0, |k| softness(k, 0.0, h)),
+            softness: self.stiffness.map_or(0.0, |k| softness(k, h)),
             drift: DVec3::ZERO,
             carried: 0.0,
             normal_impulse: 0.0,

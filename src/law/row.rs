@@ -7,22 +7,29 @@
 use crate::math::DVec3;
 
 /// Smallest relative normal velocity \[m/s\] a contact of signed depth `depth` \[m\] (positive inside) allows in a substep
-/// of h \[s\]. A compliant contact, one of `softness` > 0, is a spring that pushes back at once instead.
+/// of h \[s\].
 #[inline(always)]
-pub fn allowed_velocity(depth: f64, h: f64, softness: f64) -> f64 {
-    if depth < 0.0 || softness > 0.0 {
-        depth / h
-    } else {
-        0.0
-    }
+pub fn allowed_velocity(depth: f64, h: f64) -> f64 {
+    if depth < 0.0 { depth / h } else { 0.0 }
 }
 
-/// Softness γ = 1/(h²k + h·c) \[1/kg\] of a row with a stiffness of k N/m and a damping of c N·s/m: the impulse
-/// j = h·(k·d' + c·ḋ') of a spring and damper at the end of a substep, written as v + γ·j = u (Catto, Soft Constraints, GDC
-/// 2011). A rigid row has none.
+/// Softness γ \[1/kg\] of a contact that gives with a stiffness of k N/m: with the velocity asked for by [`yielding`] its
+/// impulse j ≥ 0 is written as v + γ·j = u. A rigid row has none.
 #[inline(always)]
-pub fn softness(stiffness: f64, damping: f64, h: f64) -> f64 {
-    1.0 / (h * (h * stiffness + damping))
+pub fn softness(stiffness: f64, h: f64) -> f64 {
+    4.0 / (h * h * stiffness)
+}
+
+/// The velocity that a contact which gives asks for \[m/s\], if its normal velocity was `before` in the last substep.
+///
+/// The impulse is that of a spring, j = ½h·k·(d⁻ + d⁺) with the depths d⁻ = d + ½h·v⁻ and d⁺ = d − ½h·v⁺ half a substep before
+/// and after: as in [`link`], the average acceleration between the half steps of leapfrog, without damping of its own. What had not
+/// touched by then has no d⁻. While it enters and while it leaves, the impulse takes no less, and gives no more, energy than the
+/// spring holds, so a bounce loses some (h·ω)²/3 of it and never gains.
+#[inline(always)]
+pub fn yielding(depth: f64, before: f64, h: f64) -> f64 {
+    let last = (depth + 0.5 * h * before).max(0.0);
+    2.0 * (depth + last) / h
 }
 
 /// A link of k N/m and c N·s/m as a soft row: its softness γ \[1/kg\], and what of the elongation \[1/s\] and of the
@@ -270,6 +277,45 @@ mod tests {
                 );
             }
         }
+    }
+
+    /// A mass falls on a contact that gives, from where within a substep it may be: it comes back about as fast, and never faster.
+    #[test]
+    fn a_contact_that_gives_gives_back_what_it_took() {
+        let (m, k, speed) = (2.0, 800.0_f64, 3.0);
+        let period = (m / k).sqrt();
+        for share in [0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 30.0] {
+            let h = share * period;
+            for start in 0..20 {
+                let (mut d, mut v) = (-h * speed * (1.0 + 0.05 * f64::from(start)), -speed);
+                for _ in 0..1_000_000 {
+                    let (softness, asked) = (softness(k, h), yielding(d, v, h));
+                    let j = normal_impulse(0.0, asked, v, 1.0 / (1.0 / m + softness));
+                    v += j / m;
+                    d -= h * v;
+                    if v > 0.0 && d < -h * speed {
+                        break;
+                    }
+                }
+                let kept = (v / speed).powi(2);
+                assert!(v > 0.0 && kept <= 1.0 + 1e-9, "{share}: {kept}");
+                let least = 1.0 - 0.5 * share * share - 1e-9;
+                assert!(
+                    kept >= least,
+                    "{share}: {kept} of the energy, {least} expected"
+                );
+            }
+        }
+    }
+
+    /// At rest it is as deep as the spring is pressed.
+    #[test]
+    fn a_contact_that_gives_bears_by_its_stiffness() {
+        let (m, k, g, h) = (2.0, 800.0, 9.81, 0.02);
+        let depth = m * g / k;
+        let (softness, asked) = (softness(k, h), yielding(depth, 0.0, h));
+        let j = normal_impulse(0.0, asked, -h * g, 1.0 / (1.0 / m + softness));
+        assert!((j - m * g * h).abs() < 1e-12, "{j} N·s");
     }
 
     #[test]

@@ -38,8 +38,8 @@ pub struct Closure {
 }
 
 impl Closure {
-    /// |Σ impulses − Δp| over the largest |Δp| so far \[1\]. Node forces, force fields, drag and pinned nodes are not in
-    /// the sum, so a body that has them does not close.
+    /// |Σ impulses − Δp| over the largest |Δp| so far \[1\]. Node forces, force fields, drag, mass damping and pinned nodes
+    /// are not in the sum, so a body that has them does not close.
     pub fn error(&self) -> f64 {
         let defect = self.contact + self.attachment + self.gravity - self.change;
         defect.length() / self.scale.max(f64::MIN_POSITIVE)

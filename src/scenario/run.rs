@@ -1,6 +1,6 @@
 //! A scene that runs: the two worlds, the recorder, and names for what takes part.
 
-use super::survey::mechanical_energy;
+use super::survey::{all_finite, mechanical_energy};
 use super::{Figures, Options};
 use crate::math::{Real, Vector};
 use crate::record::{Frame, Recorder};
@@ -91,7 +91,7 @@ pub struct Run {
     pub energy: Vec<f64>,
     /// What the scene does before every step, such as to move a platform.
     pub lead: Option<Lead>,
-    /// What `lead` could not do first, in words. A run of a scene file with a fault fails.
+    /// The first thing that `lead` could not do, in words. A run of a scene file with a fault fails.
     pub fault: Option<String>,
     /// What Rapier asks about pairs of colliders.
     pub hooks: Arc<dyn PhysicsHooks>,
@@ -176,6 +176,11 @@ impl Run {
         while self.step() {
             progress(self.steps);
         }
+    }
+
+    /// Whether everything is finite, and all that acted was.
+    pub fn is_sound(&self) -> bool {
+        self.fault.is_none() && all_finite(&self.world, &self.deformables)
     }
 
     /// Takes the frames that are still due, of a run that is over before its time.

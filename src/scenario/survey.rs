@@ -114,14 +114,13 @@ pub fn largest_rise(series: &[f64]) -> f64 {
     }
 }
 
-/// The figures of a scene in which everything may touch everything.
+/// The figures of any scene.
 pub(super) fn figures(run: &Run, f: &mut Figures) {
     let through = nodes_through(&run.world, &run.deformables, 5.0e-3);
     f.add("nodes_through", "nodes inside solids", through as f64, "");
     let depth = run.recorder.max_depth();
     f.add("max_penetration_m", "deepest node", depth, "m");
-    let finite = all_finite(&run.world, &run.deformables);
-    f.add("finite", "everything finite", f64::from(finite), "");
+    f.add("finite", "everything finite", f64::from(run.is_sound()), "");
     let soft = fastest_node(&run.deformables);
     f.add("soft_jitter_mps", "fastest node", soft, "m/s");
     let rigid = fastest_rigid(&run.world);

@@ -19,7 +19,7 @@ pub struct Work {
     /// Energy that went with springs that broke: what they held, by symplectic Euler less what their tension would have done to
     /// the velocities in half a substep. Of one that is torn within a substep that can be nothing, or less.
     pub fracture: f64,
-    /// Dissipated by contacts, in the direction of the normal.
+    /// Dissipated by contacts, in the direction of the normal, and held by those that give.
     pub contact_normal: f64,
     /// Dissipated by friction.
     pub contact_friction: f64,

@@ -235,7 +235,8 @@ impl DeformableBuilder {
         self
     }
 
-    /// Stiffness of its contacts \[N/m\] per node, instead of contacts that do not give.
+    /// Stiffness of its contacts \[N/m\] per node, instead of contacts that do not give: springs without damping, which give
+    /// back what they took. What they hold meanwhile is booked as [`contact_normal`](crate::solve::work::Work::contact_normal).
     pub fn contact_stiffness(mut self, stiffness: Real) -> Self {
         self.surface.stiffness = Some(stiffness);
         self

@@ -2,6 +2,7 @@
 //! none.
 
 use super::{Deformable, DeformableHandle, DeformableWorld};
+use crate::contact::form::Form;
 use crate::contact::target::{admits, pushes};
 use rapier3d::dynamics::{RigidBody, RigidBodyHandle};
 use rapier3d::geometry::{Collider, ColliderHandle};
@@ -23,7 +24,8 @@ pub struct PairContext<'a> {
 /// Decides which pairs touch, see [`DeformableWorld::set_hooks`]. A closure of a [`PairContext`] is one.
 ///
 /// Asked once for every pair within reach and every Rapier step, after whether both are enabled and their collision groups
-/// agree, and before the solver groups; once more when a group falls asleep. Odd answers are taken as they are:
+/// agree, and before the solver groups; once more when a group falls asleep, and by [`DeformableWorld::may_touch`] and
+/// [`DeformableWorld::may_meet`] whenever these are called. Odd answers are taken as they are:
 /// - A pair that is refused while it touches parts at once, what lay there wakes, and nothing is remembered of the contact.
 ///   Accepted again while one is inside of the other, they are moved apart at
 ///   [`push_out_speed`](super::DeformableParameters::push_out_speed), as two that were created that way; of what a node has
@@ -134,7 +136,8 @@ impl DeformableWorld {
             && (hooks.as_ref()).is_none_or(|h| h.filter_pair((first, one), (second, other)))
     }
 
-    /// Whether a deformable and a collider may touch, by being enabled, by their groups, and by the hooks. A sensor never does.
+    /// Whether a deformable and a collider may touch, by being enabled, by the collider's shape, by their groups, and by the
+    /// hooks. A sensor never does.
     pub fn may_touch(
         &self,
         deformable: DeformableHandle,
@@ -154,6 +157,7 @@ impl DeformableWorld {
         soft.is_enabled()
             && admits(rigid, parent.map(|(_, body)| body), &soft.surface)
             && pushes(rigid, &soft.surface)
+            && Form::takes(rigid.shape())
             && (self.gate.hooks.as_ref()).is_none_or(|h| h.filter(&pair))
     }
 

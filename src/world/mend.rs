@@ -10,8 +10,9 @@ use crate::solve::rows::{RowNode, Rows, Term, Terms};
 
 /// Nodes whose determinant of inertia is less than this, over the cube of Σ m·r² about their centre, count as lying on a line \[1\].
 const ON_A_LINE: f64 = 1e-4;
-/// Nodes that are no farther apart than this, per distance from their body's origin, count as one: what is left is rounding \[1\].
-const ONE: f64 = 1e-7;
+/// Nodes that are no farther apart than this, per distance from the origin of the first one's body, are in one place: what is left is
+/// rounding \[1\].
+const IN_ONE_PLACE: f64 = 1e-7;
 
 impl Group {
     /// Mends depth, creep of what sticks, and errors of ties at position level, on the nodes alone, which gives nothing any
@@ -113,7 +114,7 @@ fn turn(members: &mut Members, nodes: &mut [RowNode], terms: &[Term], lost: DVec
     }
     let trace = square.x_axis.x + square.y_axis.y + square.z_axis.z;
     let inertia = DMat3::from_diagonal(DVec3::splat(trace)) - square;
-    let are_apart = trace > mass * (ONE * ONE) * center.length_squared();
+    let are_apart = trace > mass * IN_ONE_PLACE.powi(2) * center.length_squared();
     let can_turn = are_apart && inertia.determinant() > ON_A_LINE * trace.powi(3);
     if !can_turn {
         return;

@@ -284,7 +284,7 @@ impl Encounter {
             turn: Turn::default(),
             rigid_share: 0.0,
             friction: if here { self.manners.friction } else { 0.0 },
-            softness: stiffness.map_or(0.0, |k| softness(k, 0.0, reach.h)),
+            softness: stiffness.map_or(0.0, |k| softness(k, reach.h)),
             drift: draft.drift - normal * draft.drift.dot(normal),
             carried: if here { touch.carried } else { 0.0 },
             normal_impulse: touch.impulse.0,

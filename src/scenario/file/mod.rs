@@ -57,8 +57,9 @@
 //! # Mistakes
 //! Loading tells everything that is wrong at once, each with file, line, column, the way to the key, and what was expected;
 //! an unknown key or name comes with the nearest known one. What only shows when a body is built, such as a formula that
-//! chooses no node, is a [`RunError`] that names the body. A span of time that a run does not reach is not measured, and
-//! what is expected over it is not met.
+//! chooses no node, is a [`RunError`] that names the body, and so is a picture or an expectation after the end of
+//! the run. Where `stop` ends it early, a span of time that it does not reach is not measured, and what is expected over it
+//! is not met. An actuator that is not finite is left out, and fails the run.
 //!
 //! # Limits
 //! What a scene asks for is checked before memory or time is spent on it. In all a scene has at most 64 files of 8 MiB, files

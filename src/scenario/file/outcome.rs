@@ -24,7 +24,8 @@ pub struct Check {
 
 /// What a run came to.
 pub struct Outcome {
-    /// Every expectation, in the order of the file, and what no run may come to: bodies that are not finite any more.
+    /// Every expectation, in the order of the file, and what no run may come to: bodies or actuators
+    /// that are not finite.
     pub checks: Vec<Check>,
     /// The probes by name.
     pub probes: Vec<(String, Series)>,
@@ -94,33 +95,10 @@ pub struct Failed {
     pub table: String,
 }
 
-/// Whether everything is finite and was all the time, what acts as well.
-fn is_whole(run: &ScenarioRun) -> bool {
-    let run = &run.run;
-    survey::all_finite(&run.world, &run.deformables) && run.fault.is_none()
-}
-
 /// What fails of a run in which something has become infinite or NaN: the rest of it is worth nothing.
 fn not_finite(run: &ScenarioRun) -> Option<Check> {
-    let Run {
-        deformables,
-        cast,
-        fault,
-        ..
-    } = &run.run;
-    if is_whole(run) {
-        return None;
-    }
-    let frozen = |h| deformables.get(h).is_some_and(|b| b.is_frozen());
-    let frozen = cast.deformables.iter().filter(|(_, h)| frozen(*h));
-    let froze = frozen.map(|(name, _)| format!("`{name}` froze"));
-    let names: Vec<String> = fault.iter().cloned().chain(froze).collect();
-    let name = match names[..] {
-        [] => "Finite".to_owned(),
-        _ => format!("Finite: {}", names.join(", ")),
-    };
-    Some(Check {
-        name,
+    (!run.run.is_sound()).then(|| Check {
+        name: what_is_not(&run.run),
         measured: 0.0,
         bound: "= 1".into(),
         time: None,
@@ -128,10 +106,23 @@ fn not_finite(run: &ScenarioRun) -> Option<Check> {
     })
 }
 
+/// `Finite`, with what was not.
+fn what_is_not(run: &Run) -> String {
+    let frozen = |h| run.deformables.get(h).is_some_and(|b| b.is_frozen());
+    let frozen = run.cast.deformables.iter().filter(|(_, h)| frozen(*h));
+    let froze = frozen.map(|(name, _)| format!("`{name}` froze"));
+    let names: Vec<String> = run.fault.iter().cloned().chain(froze).collect();
+    match names[..] {
+        [] => "Finite".to_owned(),
+        _ => format!("Finite: {}", names.join(", ")),
+    }
+}
+
 fn check(e: &Expectation, run: &ScenarioRun, hash: &str) -> Result<Check, RunError> {
-    let name = match e.name.as_str() {
-        "" => title(&e.that),
-        name => name.into(),
+    let name = match (e.name.as_str(), &e.that) {
+        ("", Quantity::Finite) => what_is_not(&run.run),
+        ("", that) => title(that),
+        (name, _) => name.into(),
     };
     if let Some(expected) = &e.hash {
         return Ok(Check {
@@ -223,7 +214,7 @@ fn measure(e: &Expectation, run: &ScenarioRun) -> Result<Measured, RunError> {
             let asleep = bodies.filter(|(_, b)| b.is_dynamic() && b.is_sleeping());
             whole(asleep.count() as f64)
         }
-        Quantity::Finite => whole(f64::from(u8::from(is_whole(run)))),
+        Quantity::Finite => whole(f64::from(u8::from(run.run.is_sound()))),
         Quantity::Time => whole(soft.time()),
         counted => whole(run.count(counted).unwrap_or(f64::NAN)),
     })

@@ -140,7 +140,9 @@ impl Series {
         {
             return *v;
         }
-        let slack = self.bins.unwrap_or(0.0).max(rounding(time));
+        // Steps that end a hair before the duration are not followed by one more.
+        let hair = 1.0e-3 * self.interval().unwrap_or(0.0);
+        let slack = self.bins.unwrap_or(hair).max(rounding(time));
         let ends = |i: usize| (self.times.get(i), self.values.get(i));
         match (ends(after.wrapping_sub(1)), ends(after)) {
             ((Some(a), Some(x)), (Some(b), Some(y))) => x + (y - x) * (time - a) / (b - a),

@@ -218,23 +218,38 @@ fn the_reference_names_every_key() {
 
 #[test]
 fn what_can_not_be_is_told_of_a_whole_scene() {
-    let scene = |more: &str| {
-        problems(&format!(
-            r#"(deformables: [
+    let scene = |b: &str, more: &str| {
+        let text = format!(
+            r#"(
+            rigid: [(name: "ball", colliders: [(shape: Ball(1))])],
+            deformables: [
                 (name: "a", body: Net(nodes: [(at: (0, 0, 0), mass: 1)])),
-                (name: "b", body: Net(nodes: [(at: (1, 0, 0), mass: 1, pinned: true)])),
+                (name: "b", {b}),
             ], {more})"#
-        ))
+        );
+        load(&text).map(|_| ()).map_err(|e| e.to_string())
     };
-    let closure = r#"expect: [(that: MomentumClosure, at_most: 1e-3)]"#;
-    for (more, key, what) in [
-        ("view: (0, 0, 0)", "view", "no direction"),
-        (closure, "expect[0]", "`b` has pinned nodes"),
+    let free = "body: Net(nodes: [(at: (1, 0, 0), mass: 1)])";
+    let closure = "expect: [(that: MomentumClosure, at_most: 1e-3)]";
+    let force =
+        |on: &str| format!(r#"actuators: [Force(on: "{on}", force: (1, 0, 0))], {closure}"#);
+    assert_eq!(scene(free, closure), Ok(()));
+    assert_eq!(scene(free, &force("ball")), Ok(()));
+    let pinned = "body: Net(nodes: [(at: (1, 0, 0), mass: 1, pinned: true)])";
+    let damped = "body: TetBox(size: (1, 1, 1), cell: 1), solid: (young: 1e6, poisson: 0.3, density: 9, mass_damping: 1)";
+    for (b, more, key, what) in [
+        (free, "view: (0, 1e-50, 0)", "view", "no direction"),
+        (pinned, closure, "expect[0]", "`b` has pinned nodes"),
+        (
+            &format!("{free}, drag: 1"),
+            closure,
+            "expect[0]",
+            "`b` has drag",
+        ),
+        (damped, closure, "expect[0]", "`b` has drag or mass damping"),
+        (free, &force("b"), "expect[0]", "`b` has a force"),
     ] {
-        let found = scene(more);
-        let [found] = &found[..] else {
-            panic!("{more}: {found:?}");
-        };
+        let found = scene(b, more).unwrap_err();
         assert!(found.contains(key) && found.contains(what), "{found}");
     }
 }

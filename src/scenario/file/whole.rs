@@ -45,7 +45,7 @@ pub(super) fn check(scene: &Scenario, node: &Node, d: &mut Decoder) {
         }
     }
     frames(scene, node, d);
-    if scene.view == [0.0; 3] {
+    if scene.view.map(|x| x as f32) == [0.0; 3] {
         let at = node.get("view").unwrap_or(node).at;
         let what = "is no direction, it must point from the scene to the eye";
         d.within(".view", |d| d.wrong(at, |_| what.into()));
@@ -152,7 +152,10 @@ impl<'a> Bodies<'a> {
     /// Why the impulses that are recorded do not sum up to the change of momentum, if they can't.
     fn not_closed(&self, scene: &Scenario) -> Option<String> {
         let pinned = self.soft.iter().find(|(_, (pinned, _))| *pinned);
-        let dragged = scene.deformables.iter().find(|body| body.drag > 0.0);
+        let dragged = scene.deformables.iter().find(|body| {
+            let solid = body.solid.as_ref().map_or(0.0, |s| s.0.mass_damping);
+            body.drag > 0.0 || solid > 0.0
+        });
         let mut acts = scene.actuators.iter();
         let pushed = acts.find_map(|act| match act {
             Act::Force { on, .. } => self.soft.get_key_value(on.as_str()),
@@ -160,7 +163,7 @@ impl<'a> Bodies<'a> {
         });
         let (name, why) = match (pinned, dragged, pushed) {
             (Some((name, _)), ..) => (*name, "has pinned nodes"),
-            (_, Some(body), _) => (body.name.as_str(), "has drag"),
+            (_, Some(body), _) => (body.name.as_str(), "has drag or mass damping"),
             (.., Some((name, _))) => (*name, "has a force of an actuator"),
             _ => return None,
         };

@@ -133,10 +133,11 @@ impl Pass<'_> {
 
     /// By how much the normal velocity of a row exceeds what it is to be, with its lift \[m/s\].
     pub fn missed(&self, i: usize) -> f64 {
-        self.excess(i) - self.contacts[i].lift.speed
+        self.errors(i).0
     }
 
-    /// That, and the velocity by which the point slips, see [`Row::slip`].
+    /// By how much the normal velocity of a row exceeds what it is to be, with its lift, and the velocity by which its point slips
+    /// \[m/s\].
     #[inline(always)]
     fn errors(&self, i: usize) -> (f64, DVec3) {
         let (row, relative) = (&self.contacts[i], self.relative(i));

@@ -111,7 +111,7 @@ pub struct Row {
     pub rigid_share: f64,
     /// Coulomb's μ.
     pub friction: f64,
-    /// 0 for a rigid contact, 1/(h²k) of one with a stiffness of k N/m \[1/kg\].
+    /// 0 for a rigid contact, see [`softness`](crate::law::row::softness) for one that gives \[1/kg\].
     pub softness: f64,
     /// How far the point has slipped from where friction took hold of it \[m\].
     pub drift: DVec3,

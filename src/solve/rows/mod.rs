@@ -236,7 +236,7 @@ impl Rows {
         self.contacts.iter().any(|row| {
             // Levers change nothing along the normal.
             let relative = self.relative(row.terms, &shadows[row.shadow as usize], row.arm);
-            allowed_velocity(row.depth, h, 0.0) - relative.dot(row.normal) > limit
+            allowed_velocity(row.depth, h) - relative.dot(row.normal) > limit
         })
     }
 

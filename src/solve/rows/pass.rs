@@ -9,7 +9,7 @@ use super::settled::{Give, Settled};
 use super::squeeze::{Held, Squeeze};
 use super::worklist::Worklist;
 use super::{JointRow, RigidRow, Row, Rows, Tie};
-use crate::law::row::{allowed_velocity, chord};
+use crate::law::row::{allowed_velocity, chord, yielding};
 use crate::math::{DMat3, DVec3};
 use crate::solve::shadow::Shadow;
 
@@ -186,7 +186,13 @@ impl Pass<'_> {
     fn prepare(&mut self) {
         for row in &mut *self.contacts {
             let shadow = &self.shadows[row.shadow as usize];
-            let mut allowed = allowed_velocity(row.depth, self.h, row.softness);
+            let mut allowed = if row.softness > 0.0 {
+                let own = self.points.velocity_before(row);
+                let before = own - shadow.velocity_before(row.arm);
+                yielding(row.depth, before.dot(row.normal), self.h)
+            } else {
+                allowed_velocity(row.depth, self.h)
+            };
             let mut along = DVec3::ZERO;
             if shadow.w != DVec3::ZERO {
                 let relative = self.points.velocity_of(row) - shadow.velocity_at(row.arm);

@@ -30,10 +30,25 @@ impl Points<'_> {
     /// The velocity of a row's point \[m/s\].
     #[inline(always)]
     pub fn velocity_of(&self, row: &Row) -> DVec3 {
-        let mut v = self.velocity(row.terms);
+        self.motion_of(row, |node| node.v)
+    }
+
+    /// The same at the end of the last substep \[m/s\].
+    pub fn velocity_before(&self, row: &Row) -> DVec3 {
+        self.motion_of(row, |node| node.before)
+    }
+
+    #[inline(always)]
+    fn motion_of(&self, row: &Row, of: impl Fn(&RowNode) -> DVec3) -> DVec3 {
+        let terms = || self.terms_of(row.terms).iter();
+        let of = |term: &Term| of(&self.nodes[term.node as usize]);
+        let mut v = DVec3::ZERO;
+        for term in terms() {
+            v += of(term) * term.weight;
+        }
         if let Some(levers) = levers(self.levers, row) {
-            for (term, lever) in self.terms_of(row.terms).iter().zip(levers) {
-                v += *lever * row.normal.dot(self.nodes[term.node as usize].v);
+            for (term, lever) in terms().zip(levers) {
+                v += *lever * row.normal.dot(of(term));
             }
         }
         v

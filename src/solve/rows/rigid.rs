@@ -145,7 +145,7 @@ pub(super) fn start_rigid(
         if !(row.made.is_ready && answers.are_same(row.shadows)) {
             row.prepare(shadows);
         }
-        row.made.allowed = allowed_velocity(-row.gap, h, 0.0);
+        row.made.allowed = allowed_velocity(-row.gap, h);
         climb.slope += row.slope(shadows);
     }
     for row in &*rows {
@@ -185,7 +185,7 @@ impl RigidRow {
 
     /// The speed that it has to stop in a substep of h s \[m/s\].
     pub(super) fn closing(&self, shadows: &[Shadow], h: f64) -> f64 {
-        allowed_velocity(-self.gap, h, 0.0) - self.speed(shadows)
+        allowed_velocity(-self.gap, h) - self.speed(shadows)
     }
 
     fn prepare(&mut self, shadows: &[Shadow]) {
@@ -260,7 +260,7 @@ impl RigidRow {
         let [a, b] = self.shadows;
         let (a, b) = (&shadows[a as usize], &shadows[b as usize]);
         let (relative, spins) = (b.v - a.v, [a.w, b.w]);
-        // Not by `map`, which is no more than a call here to the compiler.
+        // Written out: a `map` the compiler leaves a call here.
         let [n, s, t] = &self.made.axes;
         [
             n.speed(relative, spins),

@@ -33,6 +33,37 @@ fn one_passes_and_one_rests() {
     assert!(set.may_meet(ghost, block) && !set.may_meet(block, block));
 }
 
+/// What may touch, by everything that decides on it.
+#[test]
+fn what_may_touch_is_known() {
+    let (mut world, floor) = floored(1.0 / 60.0);
+    let mut set = DeformableWorld::new();
+    let [ghost, block] = two(&mut set);
+    set.set_hooks(Arc::new(|pair: &PairContext| {
+        pair.deformable.1.user_data == 1
+    }));
+    assert!(set.may_touch(block, floor, &world) && !set.may_touch(ghost, floor, &world));
+    let none = InteractionGroups::new(Group::NONE, Group::NONE, InteractionTestMode::And);
+    let triangle = SharedShape::triangle(Vector::ZERO, Vector::X, Vector::Y);
+    let flat = SharedShape::compound(vec![(Pose::IDENTITY, triangle)]);
+    for (other, touches) in [
+        (ColliderBuilder::ball(0.1), true),
+        (ColliderBuilder::ball(0.1).sensor(true), false),
+        (ColliderBuilder::ball(0.1).enabled(false), false),
+        (ColliderBuilder::ball(0.1).collision_groups(none), false),
+        (ColliderBuilder::ball(0.1).solver_groups(none), false),
+        (ColliderBuilder::new(flat), false),
+    ] {
+        let other = world.colliders.insert(other);
+        assert_eq!(set.may_touch(block, other, &world), touches);
+    }
+    set.get_mut(block).unwrap().set_enabled(false);
+    assert!(!set.may_touch(block, floor, &world));
+    set.remove(block);
+    assert!(!set.may_touch(block, floor, &world));
+    assert!(!set.may_touch(ghost, ColliderHandle::invalid(), &world));
+}
+
 struct Counts {
     asked: AtomicUsize,
     answer: fn(usize) -> bool,

@@ -74,14 +74,7 @@ fn a_run_that_blows_up_fails() {
 /// What acts and is not finite is left out, and the run is no good. A force of NaN left every trace of a run that is well.
 #[test]
 fn a_run_whose_actuator_is_not_finite_fails() {
-    for act in [
-        r#"Force(on: "box", force: ("1 / (t - t)", 0, 0))"#,
-        r#"Force(on: "box", torque: ("sqrt(0.05 - t)", 0, 0))"#,
-        r#"Force(on: "stone", force: (0, "1e42 * t", 0))"#,
-        r#"Move(of: "lift", by: (0, "ln(0.05 - t)", 0))"#,
-        r#"Move(of: "held", by: (0, "ln(0.05 - t)", 0))"#,
-        r#"Drive(joint: "hinge", velocity: "0 / (t - t)")"#,
-    ] {
+    let run = |act: &str, expect: &str| {
         let text = format!(
             r#"(
             world: (duration: 0.1, dt: 0.01, gravity: (0, 0, 0)),
@@ -94,21 +87,40 @@ fn a_run_whose_actuator_is_not_finite_fails() {
                 (name: "stone", body: Net(nodes: [(at: (5, 0, 0), mass: 2)])),
                 (name: "held", body: Net(nodes: [(at: (9, 0, 0), mass: 2, pinned: true)])),
             ],
-            actuators: [{act}],
+            actuators: [Force(on: "box", force: (0, "sqrt(0.1 - t)", 0)), {act}],
+            expect: [{expect}],
         )"#
         );
         let path = std::path::Path::new("acts.ron");
         let scenario = Scenario::parse(&text, path, &LoadOptions::default());
-        let outcome = scenario.unwrap_or_else(|e| panic!("{e}")).run().unwrap();
-        let [finite] = &outcome.checks[..] else {
-            panic!("{act}: {:?}", outcome.checks);
-        };
-        assert!(!finite.passed);
-        let said = "Finite: actuators[0] is not finite in the step from 0";
-        assert!(finite.name.starts_with(said), "{act}: {}", finite.name);
-        let run = &outcome.run.run;
-        assert!(survey::all_finite(&run.world, &run.deformables));
+        scenario.unwrap_or_else(|e| panic!("{e}")).run().unwrap()
+    };
+    for (act, from) in [
+        (r#"Force(on: "box", force: ("1 / (t - t)", 0, 0))"#, 0.0),
+        (
+            r#"Force(on: "box", torque: ("sqrt(0.052 - t)", 0, 0))"#,
+            0.05,
+        ),
+        (r#"Force(on: "stone", force: (0, "1e42 * t", 0))"#, 0.0),
+        (r#"Move(of: "lift", by: (0, "ln(0.055 - t)", 0))"#, 0.05),
+        (r#"Move(of: "held", by: (0, "ln(0.055 - t)", 0))"#, 0.05),
+        (r#"Drive(joint: "hinge", velocity: "0 / (t - t)")"#, 0.0),
+    ] {
+        for expect in ["", "(that: Finite, equals: 1, within: 0)"] {
+            let outcome = run(act, expect);
+            let [finite] = &outcome.checks[..] else {
+                panic!("{act}: {:?}", outcome.checks);
+            };
+            assert!(!finite.passed);
+            let said = format!("Finite: actuators[1] is not finite in the step from {from} s");
+            assert_eq!(finite.name, said, "{act}");
+            let run = &outcome.run.run;
+            assert!(survey::all_finite(&run.world, &run.deformables));
+        }
     }
+    // What is finite for as long as the run is to last is well, to its very end.
+    let outcome = run(r#"Move(of: "lift", by: (0, "sqrt(0.1 - t)", 0))"#, "");
+    assert!(outcome.passed(), "{outcome}");
 }
 
 /// What a node may not touch it can't be through.

@@ -5,7 +5,7 @@
 
 use super::super::super::Run;
 use super::super::model::{self, Region, Scenario, Signal};
-use super::{RunError, joints, selected, vector};
+use super::{RunError, joints, selected};
 use crate::body::NodeId;
 use crate::math::{DVec3, Pose, Real, Rotation, Vector, narrow};
 use crate::world::DeformableHandle;
@@ -43,10 +43,6 @@ pub(super) enum Act {
         position: Option<Signal>,
         velocity: Option<Signal>,
     },
-}
-
-fn at(signals: &[Signal; 3], time: f64) -> Vector {
-    vector(std::array::from_fn(|i| signals[i].at(time)))
 }
 
 /// The acts of a scene, and which actuator each is of.
@@ -224,10 +220,14 @@ impl Act {
     pub fn apply(&self, run: &mut Run) -> bool {
         // Whole steps: the sum of Rapier's, which are `f32`, drifts by 1e-8.
         let steps = run.steps as f64;
-        let [middle, end] = [0.5, 1.0].map(|share| (steps + share) * run.options.dt);
-        let vector = |signals: &[Signal; 3], time| {
-            Some(at(signals, time)).filter(|v: &Vector| v.is_finite())
+        let when = |share: f64| ((steps + share) * run.options.dt).min(run.options.duration);
+        // The last step may go on a little longer than what a formula was written for.
+        let [middle, end] = [0.5, 1.0].map(when);
+        let exact = |signals: &[Signal; 3], time| {
+            let v = DVec3::from_array(std::array::from_fn(|i| signals[i].at(time)));
+            narrow(v).is_finite().then_some(v)
         };
+        let vector = |signals: &[Signal; 3], time| exact(signals, time).map(narrow);
         let number = |signal: &Option<Signal>, time| {
             let value = signal.as_ref().map(|s| s.at(time) as Real);
             value.is_none_or(Real::is_finite).then_some(value)
@@ -249,10 +249,9 @@ impl Act {
                 }
             }
             Self::PushNodes { body, nodes, force } => {
-                if vector(force, middle).is_none() {
+                let Some(force) = exact(force, middle) else {
                     return false;
-                }
-                let force = DVec3::from_array(std::array::from_fn(|i| force[i].at(middle)));
+                };
                 if let Some(body) = run.deformables.get_mut(*body) {
                     for (node, share) in nodes {
                         body.add_step_force(*node, narrow(force * *share));
@@ -275,10 +274,9 @@ impl Act {
                 }
             }
             Self::LeadNodes { body, nodes, by } => {
-                if vector(by, end).is_none() {
+                let Some(by) = exact(by, end) else {
                     return false;
-                }
-                let by = DVec3::from_array(std::array::from_fn(|i| by[i].at(end)));
+                };
                 if let Some(body) = run.deformables.get_mut(*body) {
                     for (node, from) in nodes {
                         body.set_kinematic_target(*node, narrow(*from + by));

@@ -90,7 +90,7 @@ pub enum RunError {
         /// What can't be done, and to what it can.
         what: &'static str,
     },
-    /// Something is to be looked at when the run is over.
+    /// Something is to be looked at after the end of the run.
     #[error("{what}: {time} s is after the end of the run at {end} s")]
     Late {
         /// The key, like `expect[2]`.

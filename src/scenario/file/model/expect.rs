@@ -23,7 +23,8 @@ record! {
         within: Option<f64> = None, NOT_NEGATIVE;
         /// Tolerance about `equals`, as a share of it.
         within_share: Option<f64> = None, NOT_NEGATIVE;
-        /// The span of time that a channel is looked at \[s\]; the whole run if it is left out.
+        /// The span of time that a channel is looked at \[s\], which must end with the run at the latest; the whole run if it is
+        /// left out.
         over: Option<[f64; 2]> = None, FINITE;
         /// The hash that `StateHash` must have, 16 hexadecimal digits.
         hash: Option<String> = None;
@@ -49,6 +50,8 @@ fn bounded(e: &Expectation, node: &Node, d: &mut Decoder) -> Option<()> {
         "`at_least` is above `at_most`"
     } else if e.over.is_some_and(|[from, to]| from >= to) {
         "`over` must be (from, to) with from before to"
+    } else if e.over.is_some_and(|[_, to]| to < 0.0) {
+        "`over` must not end before the run begins"
     } else if e.over.is_some() && e.that.channel().is_none() {
         "`over` goes with quantities of a channel"
     } else {
@@ -111,7 +114,7 @@ choice! {
         /// Largest energy residual of any deformable, as a share of its energies.
         EnergyResidual;
         /// Largest error of Σ impulses = Δp of any deformable, as a share of Δp. Impulses are those of contacts, attachments and
-        /// gravity; bodies with pinned nodes, drag or forces of actuators do not close.
+        /// gravity; bodies with pinned nodes, drag, mass damping or forces of actuators do not close.
         MomentumClosure;
         /// Work of shadows that Rapier did otherwise, summed over its absolute values \[J\].
         CouplingDefect;
@@ -133,7 +136,7 @@ choice! {
         RestTime(f64, NOT_NEGATIVE);
         /// Rigid bodies asleep at the end.
         Asleep;
-        /// 1 if every position and velocity is finite, 0 if not. A run in which one is not fails, unless the file expects
+        /// 1 if every position and velocity is finite, and every actuator was, 0 if not. A run in which one is not fails, unless the file expects
         /// something of this itself.
         Finite;
         /// Time that was simulated \[s\].

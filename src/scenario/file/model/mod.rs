@@ -66,7 +66,7 @@ record! {
         expect: Vec<Expectation> = Vec::new(), Length { from: 0, to: 1000 };
         /// From which direction pictures are taken, any length.
         view: [f64; 3] = [-0.05, 0.38, 1.0], FINITE;
-        /// When pictures are taken \[s\], ascending; at the beginning and the end if the list is empty.
+        /// When pictures are taken \[s\], ascending, not after the end; at the beginning and the end if the list is empty.
         frames: Vec<f64> = Vec::new(), FRAMES;
     }
     then together
