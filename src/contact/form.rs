@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// What a collider is to a node.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Form {
-    /// A volume, with an inside.
+    /// A volume, with an inside; small convex meshes too.
     Solid(Solid),
     /// A surface or curve, without one.
     Soup(Soup),
@@ -21,8 +21,13 @@ impl Form {
     /// The form of a shape; `None` for custom shapes, for compounds with a part that has no volume, and for shapes that are
     /// not finite.
     fn of(shape: &SharedShape) -> Option<Self> {
-        let soup = || Soup::of(shape).map(Self::Soup);
-        Solid::of(&**shape).map(Self::Solid).or_else(soup)
+        if let Some(solid) = Solid::of(&**shape) {
+            return Some(Self::Solid(solid));
+        }
+        let soup = Soup::of(shape)?;
+        let mesh = shape.as_trimesh().filter(|_| soup.oriented());
+        let solid = mesh.and_then(Solid::of_convex_mesh);
+        Some(solid.map_or(Self::Soup(soup), Self::Solid))
     }
 
     /// Whether any of the points, given with their velocities in the frame of the shape, meets it faster than `threshold`
@@ -120,6 +125,33 @@ mod tests {
         assert_eq!(triangle(1.0), triangle(1.0));
         assert_ne!(triangle(1.0), triangle(2.0));
         assert_ne!(triangle(1.0), form(1.0, plain));
+    }
+
+    /// A mesh whose winding tells its outside is a solid where it is convex.
+    #[test]
+    fn a_convex_mesh_is_a_solid() {
+        let far = Vector::new(50.0, -20.0, 30.0);
+        let (points, triangles) =
+            rapier3d::geometry::Cuboid::new(Vector::new(0.3, 0.02, 0.1)).to_trimesh();
+        let points: Vec<Vector> = points.into_iter().map(|p| p + far).collect();
+        let form = |points: &[Vector], triangles: &[[u32; 3]], flags| {
+            let mesh = SharedShape::trimesh_with_flags(points.to_vec(), triangles.to_vec(), flags);
+            Form::of(&mesh.unwrap()).unwrap()
+        };
+        let is_solid = |form: &Form| matches!(form, Form::Solid(_));
+        let oriented = TriMeshFlags::ORIENTED;
+        let solid = form(&points, &triangles, oriented);
+        assert!(is_solid(&solid));
+        let width = solid.width().unwrap();
+        assert!((width - 0.04).abs() < 1e-5, "{width}");
+        assert!(!is_solid(&form(&points, &triangles, TriMeshFlags::empty())));
+        // Inside out, open, dented.
+        let turned: Vec<[u32; 3]> = triangles.iter().map(|[a, b, c]| [*b, *a, *c]).collect();
+        assert!(!is_solid(&form(&points, &turned, oriented)));
+        assert!(!is_solid(&form(&points, &triangles[1..], oriented)));
+        let mut dented = points.clone();
+        dented[0] = far + Vector::splat(0.015);
+        assert!(!is_solid(&form(&dented, &triangles, oriented)));
     }
 
     #[test]

@@ -136,6 +136,22 @@ impl Hull {
         self.around = around.into_iter().map(|e| e.1).collect();
     }
 
+    /// Its volume \[m³\].
+    pub fn volume(&self) -> f64 {
+        let Some(&start) = self.vertices.first() else {
+            return 0.0;
+        };
+        let pyramid = |face: &Face| {
+            let corners = &self.corners[face.first as usize..face.end as usize];
+            let fan = corners.windows(2);
+            let area: DVec3 = fan
+                .map(|c| (c[0].point - corners[0].point).cross(c[1].point - corners[0].point))
+                .sum();
+            area.dot(corners[0].point - start) / 6.0
+        };
+        self.faces.iter().map(pyramid).sum()
+    }
+
     /// Corners \[m\].
     pub fn vertices(&self) -> &[DVec3] {
         &self.vertices

@@ -27,10 +27,14 @@ use compound::Compound;
 pub use crossing::Crossing;
 use hull::Hull;
 use quickhull::Outline;
-use rapier3d::geometry::{Shape, TypedShape};
+use rapier3d::geometry::{Shape, TriMesh, TypedShape};
 pub use rim::Rim;
 use std::sync::Arc;
 use voxels::Grid;
+
+/// Most triangles of a mesh that may be a hull, and by what share of its volume the two may differ.
+const MOST_TRIANGLES: usize = 128;
+const AS_LARGE: f64 = 1e-5;
 
 /// A collider shape with an inside. Cheap to clone: what is large is shared.
 #[derive(Clone, Debug, PartialEq)]
@@ -118,6 +122,29 @@ impl Solid {
             T::Voxels(s) => grown(Core::Voxels(Arc::new(Grid::of(s)?)), 0.0),
             _ => return None,
         })
+    }
+
+    /// The solid of a closed mesh whose winding tells its outside, if that is convex and has few triangles: their hull, whose corners
+    /// and edges know of each other, and whose every query is a loop over all planes.
+    pub fn of_convex_mesh(mesh: &TriMesh) -> Option<Self> {
+        if mesh.indices().len() > MOST_TRIANGLES {
+            return None;
+        }
+        let core = Core::hull(mesh.vertices())?;
+        let Core::Hull(hull) = &core else {
+            return None;
+        };
+        // By tets from one corner: one from the origin would be a difference of large numbers far from it.
+        let start = wide(mesh.vertices()[0]);
+        let tet = |[a, b, c]: [DVec3; 3]| (a - start).dot((b - start).cross(c - start)) / 6.0;
+        let triangles = mesh.triangles();
+        let volume: f64 = triangles
+            .map(|t| tet([wide(t.a), wide(t.b), wide(t.c)]))
+            .sum();
+        let whole = hull.volume();
+        // A hull holds its mesh, and is no larger only where it is that.
+        (whole > 0.0 && (whole - volume).abs() < AS_LARGE * whole)
+            .then_some(Self { core, radius: 0.0 })
     }
 
     /// Whether a shape is of a kind that [`Solid::of`] takes, without working anything out.

@@ -16,6 +16,11 @@ fn shape(name: &str) -> ColliderBuilder {
         "cylinder" => ColliderBuilder::cylinder(r, r),
         "disc" => ColliderBuilder::cylinder(0.1 * r, 2.0 * r),
         "plate" => ColliderBuilder::cuboid(2.0 * r, 0.1 * r, 1.5 * r),
+        "mesh" => {
+            let (points, triangles) = Cuboid::new(Vector::splat(r)).to_trimesh();
+            let flags = TriMeshFlags::ORIENTED;
+            ColliderBuilder::trimesh_with_flags(points, triangles, flags).unwrap()
+        }
         other => unreachable!("{other}"),
     }
 }
@@ -70,12 +75,15 @@ fn shoot(
 }
 
 /// Of these 648 shots 27 went through while the side of a fold was told by its normal, boxes had no edges over twisted faces, balls
-/// touched them by the normal of their middle, and what had slid under a face from beside it was let go.
+/// touched them by the normal of their middle, and what had slid under a face from beside it was let go. Of cubes that are meshes
+/// one in seven did while those were no solids.
 #[test]
 fn what_tumbles_is_caught_by_a_coarse_sheet() {
     let mut random = Random(7);
     let mut through = Vec::new();
-    for name in ["ball", "cube", "capsule", "cylinder", "disc", "plate"] {
+    for name in [
+        "ball", "cube", "capsule", "cylinder", "disc", "plate", "mesh",
+    ] {
         for speed in [5.0, 15.0, 40.0] {
             for cells in [5, 10, 20] {
                 for mass in [0.05, 0.3, 2.0] {

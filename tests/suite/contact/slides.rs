@@ -119,7 +119,10 @@ fn over_a_sheet(
 #[test]
 fn nothing_is_braked_by_the_cells_of_a_flat_sheet() {
     let r = 0.03_f32;
+    let (points, triangles) = Cuboid::new(Vector::splat(r)).to_trimesh();
+    let mesh = ColliderBuilder::trimesh_with_flags(points, triangles, TriMeshFlags::ORIENTED);
     for (name, half, shape) in [
+        ("mesh of a cube", r, mesh.unwrap()),
         ("ball", r, ColliderBuilder::ball(r)),
         ("capsule", r, ColliderBuilder::capsule_x(2.0 * r, r)),
         ("cube", r, ColliderBuilder::cuboid(r, r, r)),
