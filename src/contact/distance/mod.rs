@@ -127,7 +127,8 @@ impl Solid {
     /// The solid of a closed mesh whose winding tells its outside, if that is convex and has few triangles: their hull, whose corners
     /// and edges know of each other, and whose every query is a loop over all planes.
     pub fn of_convex_mesh(mesh: &TriMesh) -> Option<Self> {
-        if mesh.indices().len() > MOST_TRIANGLES {
+        let (points, count) = (mesh.vertices().len(), mesh.indices().len());
+        if count > MOST_TRIANGLES || points > 3 * count {
             return None;
         }
         let core = Core::hull(mesh.vertices())?;
@@ -137,10 +138,8 @@ impl Solid {
         // By tets from one corner: one from the origin would be a difference of large numbers far from it.
         let start = wide(mesh.vertices()[0]);
         let tet = |[a, b, c]: [DVec3; 3]| (a - start).dot((b - start).cross(c - start)) / 6.0;
-        let triangles = mesh.triangles();
-        let volume: f64 = triangles
-            .map(|t| tet([wide(t.a), wide(t.b), wide(t.c)]))
-            .sum();
+        let tets = mesh.triangles().map(|t| tet([t.a, t.b, t.c].map(wide)));
+        let volume: f64 = tets.sum();
         let whole = hull.volume();
         // A hull holds its mesh, and is no larger only where it is that.
         (whole > 0.0 && (whole - volume).abs() < AS_LARGE * whole)
