@@ -25,7 +25,7 @@ pub fn softness(stiffness: f64, h: f64) -> f64 {
 /// The impulse is that of a spring, j = ½h·k·(d⁻ + d⁺) with the depths d⁻ = d + ½h·v⁻ and d⁺ = d − ½h·v⁺ half a substep before
 /// and after: as in [`link`], the average acceleration between the half steps of leapfrog, without damping of its own. What had not
 /// touched by then has no d⁻. While it enters and while it leaves, the impulse takes no less, and gives no more, energy than the
-/// spring holds, so a bounce loses some (h·ω)²/3 of it and never gains.
+/// spring holds, so a bounce loses some (h·ω)²/3 of it and, in substeps of one length, never gains.
 #[inline(always)]
 pub fn yielding(depth: f64, before: f64, h: f64) -> f64 {
     let last = (depth + 0.5 * h * before).max(0.0);

@@ -136,8 +136,8 @@ choice! {
         RestTime(f64, NOT_NEGATIVE);
         /// Rigid bodies asleep at the end.
         Asleep;
-        /// 1 if every position and velocity is finite, and every actuator was, 0 if not. A run in which one is not fails, unless the file expects
-        /// something of this itself.
+        /// 1 if every position and velocity is finite, and every actuator was, 0 if not. A run in which one is not fails,
+        /// unless the file expects something of this itself.
         Finite;
         /// Time that was simulated \[s\].
         Time;
