@@ -2,6 +2,12 @@
 
 use crate::math::DVec3;
 
+/// The box around some points.
+pub fn bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
+    let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    points.fold(start, |(lo, hi), p| (lo.min(p), hi.max(p)))
+}
+
 /// On which part of an element a nearest point lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Feature {

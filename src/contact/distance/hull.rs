@@ -138,16 +138,13 @@ impl Hull {
 
     /// Its volume \[m³\].
     pub fn volume(&self) -> f64 {
-        let Some(&start) = self.vertices.first() else {
-            return 0.0;
-        };
-        let pyramid = |face: &Face| {
+        let apex = self.vertices.first().copied().unwrap_or_default();
+        let tet = |[a, b, c]: [DVec3; 3]| (a - apex).dot((b - apex).cross(c - apex)) / 6.0;
+        let pyramid = |face: &Face| -> f64 {
             let corners = &self.corners[face.first as usize..face.end as usize];
             let fan = corners.windows(2);
-            let area: DVec3 = fan
-                .map(|c| (c[0].point - corners[0].point).cross(c[1].point - corners[0].point))
-                .sum();
-            area.dot(corners[0].point - start) / 6.0
+            fan.map(|c| tet([corners[0].point, c[0].point, c[1].point]))
+                .sum()
         };
         self.faces.iter().map(pyramid).sum()
     }

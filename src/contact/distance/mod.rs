@@ -22,6 +22,7 @@ mod tests;
 mod voxels;
 mod way;
 
+use crate::body::Surface;
 use crate::math::{DQuat, DVec3, wide};
 use compound::Compound;
 pub use crossing::Crossing;
@@ -135,12 +136,8 @@ impl Solid {
         let Core::Hull(hull) = &core else {
             return None;
         };
-        // By tets from one corner: one from the origin would be a difference of large numbers far from it.
-        let start = wide(mesh.vertices()[0]);
-        let tet = |[a, b, c]: [DVec3; 3]| (a - start).dot((b - start).cross(c - start)) / 6.0;
-        let tets = mesh.triangles().map(|t| tet([t.a, t.b, t.c].map(wide)));
-        let volume: f64 = tets.sum();
-        let whole = hull.volume();
+        let surface = Surface::new(mesh.vertices().to_vec(), mesh.indices().to_vec());
+        let (volume, whole) = (surface.volume(), hull.volume());
         // A hull holds its mesh, and is no larger only where it is that.
         (whole > 0.0 && (whole - volume).abs() < AS_LARGE * whole)
             .then_some(Self { core, radius: 0.0 })

@@ -5,7 +5,7 @@ use super::apart::Apart;
 use super::outline::{NONE, Outline};
 use super::posed::Posed;
 use crate::body::State;
-use crate::contact::closest::between_segments;
+use crate::contact::closest::{between_segments, bounds};
 use crate::math::{DVec3, Real};
 
 /// The least margin of a list, per shortest edge: a body at rest makes one in thousands of substeps.
@@ -104,10 +104,10 @@ fn list_edges(list: &mut Vec<(u32, u32)>, a: &Posed, b: &Posed, radius: f64) {
     list.clear();
     for edge in 0..a.outline.edges.len() as u32 {
         let ends = a.ends(edge);
-        let (lo, hi) = bounds(ends);
+        let (lo, hi) = bounds(ends.into_iter());
         // Boxes first: of most pairs even these are too far apart.
-        let may_reach = |other| {
-            let (from, to) = bounds(other);
+        let may_reach = |other: [DVec3; 2]| {
+            let (from, to) = bounds(other.into_iter());
             let apart = (from - hi).max(lo - to).max(DVec3::ZERO);
             apart.length_squared() <= radius * radius
         };
@@ -131,8 +131,4 @@ fn list_edges(list: &mut Vec<(u32, u32)>, a: &Posed, b: &Posed, radius: f64) {
             });
         list[first..].sort_unstable();
     }
-}
-
-fn bounds([a, b]: [DVec3; 2]) -> (DVec3, DVec3) {
-    (a.min(b), a.max(b))
 }

@@ -3,8 +3,8 @@
 //! lowest in two places, anywhere on it, and the side of a cylinder or the edge of a mesh that lies along the ridge touches
 //! nothing but the middle of the face.
 
-use super::convex::bounds;
 use super::patch::Patch;
+use crate::contact::closest::bounds;
 use crate::contact::distance::{Rim, Solid};
 use crate::math::DVec3;
 

@@ -4,6 +4,7 @@ use super::bulge::{self, Ridge};
 use super::making::{Making, Met};
 use super::part::{Convex, Part};
 use super::patch::{Foot, Patch};
+use crate::contact::closest::bounds;
 use crate::contact::cone::can_push;
 use crate::contact::distance::Solid;
 use crate::contact::roll::Roll;
@@ -353,10 +354,4 @@ impl Facing<'_> {
         let far = |&point: &DVec3| self.patch.apart(point + self.normal * radius);
         self.cone.iter().map(far).fold(f64::INFINITY, f64::min) - radius
     }
-}
-
-/// The box around some points.
-pub(super) fn bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
-    let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    points.fold(start, |(lo, hi), p| (lo.min(p), hi.max(p)))
 }

@@ -1,12 +1,11 @@
 //! A corner of the target against a face of the body, and an edge against an edge: on which side, how deep, which way out.
 
 use super::bulge::Ridge;
-use super::convex::bounds;
 use super::making::{BORDER, Making, Met};
 use super::patch::Patch;
 use super::sharp::{Corner, LINES};
 use crate::body::topology::NONE;
-use crate::contact::closest::{between_lines, between_segments};
+use crate::contact::closest::{between_lines, between_segments, bounds};
 use crate::contact::cone::can_push;
 use crate::contact::soup::Edge;
 use crate::contact::touches::Key;

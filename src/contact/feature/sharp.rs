@@ -4,8 +4,8 @@
 //! or of two edges, last until something has moved by their margin. Flat edges are not there at all, and gentle ones are
 //! left to the nodes.
 
-use super::convex::bounds;
 use super::making::{Making, Met};
+use crate::contact::closest::bounds;
 use crate::contact::form::Form;
 use crate::contact::roll::Roll;
 use crate::contact::site::{Side, Site};

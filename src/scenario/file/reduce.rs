@@ -10,7 +10,7 @@ pub(super) type Measured = (f64, Option<f64>);
 const MOST: f64 = 1.0e8;
 
 /// Times are sums of steps in `f32`, a ten-millionth off at the most.
-fn rounding(time: f64) -> f64 {
+pub(super) fn rounding(time: f64) -> f64 {
     1.0e-9 + 1.0e-7 * time.abs()
 }
 

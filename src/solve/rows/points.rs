@@ -40,15 +40,11 @@ impl Points<'_> {
 
     #[inline(always)]
     fn motion_of(&self, row: &Row, of: impl Fn(&RowNode) -> DVec3) -> DVec3 {
-        let terms = || self.terms_of(row.terms).iter();
-        let of = |term: &Term| of(&self.nodes[term.node as usize]);
-        let mut v = DVec3::ZERO;
-        for term in terms() {
-            v += of(term) * term.weight;
-        }
+        let terms = self.terms_of(row.terms);
+        let mut v = weighed(self.nodes, terms, &of);
         if let Some(levers) = levers(self.levers, row) {
-            for (term, lever) in terms().zip(levers) {
-                v += *lever * row.normal.dot(of(term));
+            for (term, lever) in terms.iter().zip(levers) {
+                v += *lever * row.normal.dot(of(&self.nodes[term.node as usize]));
             }
         }
         v
@@ -121,9 +117,14 @@ fn outer(a: DVec3, b: DVec3) -> DMat3 {
 /// The velocity of a weighted sum of nodes \[m/s\].
 #[inline(always)]
 pub(super) fn velocity(nodes: &[RowNode], terms: &[Term]) -> DVec3 {
-    let mut v = DVec3::ZERO;
+    weighed(nodes, terms, |node| node.v)
+}
+
+#[inline(always)]
+fn weighed(nodes: &[RowNode], terms: &[Term], of: impl Fn(&RowNode) -> DVec3) -> DVec3 {
+    let mut sum = DVec3::ZERO;
     for term in terms {
-        v += nodes[term.node as usize].v * term.weight;
+        sum += of(&nodes[term.node as usize]) * term.weight;
     }
-    v
+    sum
 }

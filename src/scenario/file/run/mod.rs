@@ -7,6 +7,7 @@ use super::super::Run;
 use super::build::RunError;
 use super::model::{Quantity, Scenario, Stop};
 use super::outcome::Outcome;
+use super::reduce::rounding;
 use channels::Follows;
 pub use channels::Series;
 use trace::Trace;
@@ -54,7 +55,7 @@ impl Scenario {
             };
             Some((format!("expect[{i}]"), time))
         });
-        let late = |(_, time): &(String, f64)| *time > end + 1.0e-6 * end;
+        let late = |(_, time): &(String, f64)| *time > end + rounding(end);
         match frames.chain(looks).find(late) {
             Some((what, time)) => Err(RunError::Late { what, time, end }),
             None => Ok(()),
