@@ -35,7 +35,7 @@
 //! `report` draws pictures and plots, `statics` finds equilibria, `serde-serialize` saves worlds, `parallel` uses threads,
 //! `debug-render` draws lines through Rapier, `native-fem` has Rapier's finite elements for comparisons, `cli` is for the binary.
 #![warn(missing_docs)]
-// Only `solve::kernel::vector` may.
+// Only `solve::kernel::vector` and `solve::threads::team` may.
 #![deny(unsafe_code)]
 
 pub use rapier3d;

@@ -20,6 +20,8 @@ const TERMS: [u32; 2] = [128, 1024];
 pub(crate) struct Gauge {
     /// Substeps that could be shared out since the last trial began.
     count: u32,
+    /// Those before it that threads were called for and had not come to.
+    waited: u32,
     /// Whether the substep under way can be.
     asked: bool,
     /// Of the substep under way.
@@ -33,16 +35,17 @@ pub(crate) struct Gauge {
 impl Gauge {
     /// Does a part of a substep over as much as so many springs, shared out to threads if that pays.
     pub fn run<R>(&mut self, springs: usize, part: impl FnOnce() -> R) -> R {
-        if threads::parts(springs) < 2 {
+        let most = threads::parts_of(springs);
+        if most < 2 {
             return part();
         }
         self.asked = true;
-        let shared = self.is_shared();
+        let parts = if self.is_shared() { most } else { 1 };
         if self.count >= 2 * TRIAL {
-            return threads::sharing(shared, part);
+            return threads::in_parts(parts, part);
         }
         let start = Instant::now();
-        let result = threads::sharing(shared, part);
+        let result = threads::in_parts(parts, part);
         self.spent += start.elapsed();
         result
     }
@@ -50,6 +53,11 @@ impl Gauge {
     /// Ends a substep.
     pub fn end(&mut self) {
         if !std::mem::take(&mut self.asked) {
+            return;
+        }
+        if self.count == 0 && self.waited < TERMS[0] && !threads::are_awake() {
+            self.waited += 1;
+            self.spent = Duration::ZERO;
             return;
         }
         if self.spent > Duration::ZERO {
@@ -109,7 +117,7 @@ mod tests {
             let substep = |gauge: &mut Gauge| {
                 let (shared, trying) = (gauge.is_shared(), gauge.count < 2 * TRIAL);
                 gauge.run(1_000_000, || {
-                    assert_eq!(threads::parts(1_000_000) > 1, shared);
+                    assert_eq!(threads::parts(), if shared { 2 } else { 1 });
                     if trying {
                         let slow = shared == shared_is_slow;
                         std::thread::sleep(Duration::from_micros(if slow { 900 } else { 100 }));
@@ -126,7 +134,7 @@ mod tests {
                     let rest = if shared_is_slow { 0 } else { term - 2 * TRIAL };
                     assert_eq!(shared, TRIAL + rest);
                 }
-                assert_eq!(threads::parts(1_000_000), 2);
+                assert_eq!(threads::parts_of(1_000_000), 2);
             });
         }
     }

@@ -242,12 +242,11 @@ impl<S: Scalar> Solver<S> {
         }
         let Some(field) = field else { return };
         self.applied.resize(state.particles.len(), [S::ZERO; 3]);
-        let parts = threads::parts(threads::NODE * state.particles.len());
         let nodes = threads::Nodes {
             first: 0,
             values: &mut self.applied[..],
         };
-        threads::share(nodes, parts, &|nodes| {
+        threads::share(nodes, threads::parts(), &|nodes| {
             for (i, sum) in (nodes.first..).zip(nodes.values) {
                 let (x, v) = (state.position(i).as_vec3(), state.velocity(i).as_vec3());
                 let f: Vector = field.force(NodeId(i as u32), x, v, time);

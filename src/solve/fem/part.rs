@@ -60,7 +60,7 @@ impl<S: Scalar> Part<S> {
             of_f32::<_, Vec<_>>(particles),
             of_f32_mut(forces),
         ) {
-            let parts = threads::parts(self.size());
+            let parts = threads::parts();
             if parts >= WORTH {
                 let new = || Box::new(Gather::new(model.node_count(), &model.nodes()));
                 let gather = self.gather.get_or_insert_with(new);
@@ -85,8 +85,7 @@ impl<S: Scalar> Part<S> {
                 first: 0,
                 values: &mut forces.damping[..],
             };
-            let parts = threads::parts(particles.len());
-            threads::share(nodes, parts, &|nodes| {
+            threads::share(nodes, threads::parts(), &|nodes| {
                 let particles = &particles[nodes.first..];
                 let free = |p: &Particle<S>| p.inv_mass > S::ZERO;
                 let each = nodes.values.iter_mut().zip(particles);

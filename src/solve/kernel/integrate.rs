@@ -10,7 +10,7 @@ use crate::math::two_sum;
 use crate::solve::forces::Lanes as Four;
 use crate::solve::solver::Solver;
 use crate::solve::springs::Rows;
-use crate::solve::threads::{NODE, Work, parts, share};
+use crate::solve::threads::{Work, parts, share};
 
 /// Speeds below this are none \[m/s\]: numbers that are not normal would cost a hundred cycles each.
 const STILL: f64 = 1e-20;
@@ -50,7 +50,7 @@ pub(crate) fn symplectic_euler(
         totals: &mut totals,
     };
     let kernel = solver.kernel;
-    share(nodes, parts(NODE * moved), &|nodes| run(kernel, nodes));
+    share(nodes, parts(), &|nodes| run(kernel, nodes));
     let mut sum = Totals::default();
     totals.iter().for_each(|block| sum.add(block));
     solver.totals = totals;

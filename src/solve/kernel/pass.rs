@@ -45,7 +45,7 @@ pub(crate) fn spring_forces(
         mirror,
         sums,
     } = &mut **sell;
-    let parts = parts(layout.which.len() * LANES / 2);
+    let parts = parts();
     let nodes = Table::of(layout, &state.particles)?;
     let touched = limits
         .as_ref()

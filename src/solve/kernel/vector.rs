@@ -1,5 +1,5 @@
-//! Vectors of `f32` of the width the processor has, and the fetching of rows of numbers into them. **The only unsafe code of the
-//! crate.**
+//! Vectors of `f32` of the width the processor has, and the fetching of rows of numbers into them. **Unsafe code** is here, and for
+//! threads in `solve::threads::team`.
 //!
 //! What is computed is written once, as a [`Pass`] generic over [`Vector`], and compiled for every width; [`run`] picks one at
 //! run time, so a build for the baseline processor uses what it finds. The types of the wide vectors are private: code gets at

@@ -4,13 +4,19 @@
 //! its parts run at once. Sums are kept by block, of a size that never changes, and added in the order of blocks: so results
 //! are the same to the last bit for any number of threads, and without any.
 //!
-//! A pass takes tens of microseconds, and handing work to a pool from outside costs ten. So nothing is shared out but by a
-//! caller that is within a pool of Rayon already: the world enters one once per step, and so may anyone who has a
+//! A pass takes some microseconds, and handing work to a pool from outside costs ten. So nothing is shared out but by a caller
+//! that is within a pool of Rayon already: the world enters one once per step, and so may anyone who has a
 //! [`Solver`](super::Solver) of his own.
+
+#[cfg(feature = "parallel")]
+mod team;
+
+#[cfg(feature = "parallel")]
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Nodes, or rows of a table of springs, that are summed together. Few, so that bodies of ten thousand springs can be shared
 /// out evenly.
-pub(crate) const BLOCK: usize = 256;
+pub(crate) const BLOCK: usize = 128;
 
 /// Work on blocks that follow each other.
 #[cfg_attr(not(feature = "parallel"), allow(dead_code))]
@@ -24,65 +30,99 @@ pub(crate) trait Work: Sized + Send {
 /// Does all of it, in so many parts at once.
 pub(crate) fn share<W: Work>(work: W, parts: usize, each: &(impl Fn(W) + Sync)) {
     #[cfg(feature = "parallel")]
-    if parts.min(work.blocks()) > 1 {
-        let parts = parts.min(work.blocks());
-        let first = parts / 2;
-        let at = work.blocks() * first / parts;
-        let [work, rest] = work.cut(at);
-        rayon::join(
-            || share(work, first, each),
-            || share(rest, parts - first, each),
-        );
-        return;
+    {
+        // Room for no more than need be, since it is cleared.
+        match parts.min(work.blocks()) {
+            0 | 1 => {}
+            2 => return pieces::<2, W>(work, 2, each),
+            few @ 3..=8 => return pieces::<8, W>(work, few, each),
+            many => return pieces::<{ team::MOST }, W>(work, many.min(team::MOST), each),
+        }
     }
     let _ = parts;
     each(work);
 }
 
+/// Cuts work in so many pieces, and has them done at once.
+#[cfg(feature = "parallel")]
+fn pieces<const ROOM: usize, W: Work>(work: W, parts: usize, each: &(impl Fn(W) + Sync)) {
+    let blocks = work.blocks();
+    let size = |part| blocks * (part + 1) / parts - blocks * part / parts;
+    let [first, mut rest] = work.cut(size(0));
+    let pieces = [const { Mutex::new(None) }; ROOM];
+    for (part, place) in pieces.iter().enumerate().take(parts - 1).skip(1) {
+        let [piece, others] = rest.cut(size(part));
+        *lock(place) = Some(piece);
+        rest = others;
+    }
+    *lock(&pieces[parts - 1]) = Some(rest);
+    team::share(parts, || each(first), &|part| {
+        let piece = lock(&pieces[part]).take();
+        piece.into_iter().for_each(each);
+    });
+}
+
+#[cfg(feature = "parallel")]
+fn lock<T>(piece: &Mutex<T>) -> MutexGuard<'_, T> {
+    piece.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// The least springs that are worth a part. In two parts, bodies of 10,000 springs take 0.84 (a mesh that yields) to 1.2 times as
 /// long alone, those of 60,000 0.98 to 1.76 times (`benches/threads.rs`): a guess on the generous side.
 #[cfg(feature = "parallel")]
-const LEAST: usize = 4_000;
+const LEAST: usize = 2_500;
 
 /// A node takes about as long to be moved as so many springs.
 pub(crate) const NODE: usize = 5;
 
 #[cfg(feature = "parallel")]
 thread_local! {
-    /// Whether what this thread is about may be shared out.
-    static SHARING: std::cell::Cell<bool> = const { std::cell::Cell::new(true) };
+    /// In how many parts this thread shares out the passes of what it is about.
+    static PARTS: std::cell::Cell<usize> = const { std::cell::Cell::new(1) };
 }
 
-/// Does something of which passes are shared out, or are not.
-pub(crate) fn sharing<R>(shared: bool, work: impl FnOnce() -> R) -> R {
+/// Does something of which every pass is shared out in so many parts: the same for all, so that threads find in their caches what
+/// they wrote there in the pass before.
+pub(crate) fn in_parts<R>(parts: usize, work: impl FnOnce() -> R) -> R {
     #[cfg(feature = "parallel")]
     {
         // While a thread waits for others it may do the work of another body.
-        let before = SHARING.replace(shared);
+        let before = PARTS.replace(parts);
         let result = work();
-        SHARING.set(before);
+        PARTS.set(before);
         result
     }
     #[cfg(not(feature = "parallel"))]
     {
-        let _ = shared;
+        let _ = parts;
         work()
     }
 }
 
-/// In how many parts a pass over as much as so many springs is to be done.
-#[cfg(feature = "parallel")]
-pub(crate) fn parts(springs: usize) -> usize {
-    if springs < 2 * LEAST || rayon::current_thread_index().is_none() || !SHARING.get() {
-        return 1;
-    }
-    rayon::current_num_threads().min(springs / LEAST)
+/// In how many parts a pass is to be done.
+pub(crate) fn parts() -> usize {
+    #[cfg(feature = "parallel")]
+    return PARTS.get();
+    #[cfg(not(feature = "parallel"))]
+    return 1;
 }
 
-/// In how many parts a pass over as much as so many springs is to be done: there are no threads.
-#[cfg(not(feature = "parallel"))]
-pub(crate) fn parts(_springs: usize) -> usize {
+/// In how many parts passes over as much as so many springs can be done.
+pub(crate) fn parts_of(springs: usize) -> usize {
+    #[cfg(feature = "parallel")]
+    if springs >= 2 * LEAST && rayon::current_thread_index().is_some() {
+        return rayon::current_num_threads().min(springs / LEAST);
+    }
+    let _ = springs;
     1
+}
+
+/// Whether all threads are awake that this one has called: that takes longer than many a pass.
+pub(crate) fn are_awake() -> bool {
+    #[cfg(feature = "parallel")]
+    return team::is_complete();
+    #[cfg(not(feature = "parallel"))]
+    return true;
 }
 
 /// Whether it is worth calling threads for as much as so many springs.
