@@ -1,12 +1,15 @@
 //! Attachments in the world: made, read, let go.
 
 use super::attachment::{AttachError, AttachTo, Attachment};
+use super::group::BodyKey;
 use super::{AttachmentHandle, Deformable, DeformableHandle, DeformableWorld, RapierParts};
 use crate::contact::target::wide_rotation;
 use crate::coupling::attach::{Bond, Hold, Load, Part, Point};
+use crate::coupling::memory::BodyMemory;
 use crate::coupling::nearest::{nearest, pivot};
 use crate::math::{DQuat, DVec3, wide};
-use rapier3d::dynamics::{RigidBody, RigidBodySet};
+use rapier3d::dynamics::{RigidBody, RigidBodyHandle, RigidBodySet};
+use std::collections::BTreeMap;
 
 /// An attachment as it is read: its nodes, target, force, moment, energy, and whether it broke.
 pub type AttachmentState = Bond<DeformableHandle>;
@@ -45,7 +48,10 @@ impl DeformableWorld {
         let hold = checked(&attachment)?;
         let nodes = nodes_of(&attachment, soft)?;
         let (origin, rot) = match target {
-            AttachTo::Body(body) => frame(bodies.get(body).ok_or(AttachError::UnknownBody(body))?),
+            AttachTo::Body(handle) => {
+                let body = bodies.get(handle).ok_or(AttachError::UnknownBody(handle))?;
+                held_frame(&self.memory, (handle, body))
+            }
             _ => (DVec3::ZERO, DQuat::IDENTITY),
         };
         let mut points = held_points(&attachment, soft, &nodes)?;
@@ -75,12 +81,6 @@ impl DeformableWorld {
         };
         let com = com.unwrap_or_default();
         self.wake_attached(deformable, target);
-        // Its nodes are held where the body is, not where its shadow was.
-        if let AttachTo::Body(body) = target
-            && let Some(memory) = self.memory.get_mut(&body.into_raw_parts())
-        {
-            memory.offset = Default::default();
-        }
         Ok(AttachmentHandle(self.attachments.insert(Bond {
             deformable,
             target,
@@ -156,20 +156,31 @@ impl DeformableWorld {
         self.attachments.get(handle.0).map(|a| (a.force, a.torque))
     }
 
-    /// How far the farthest held point is from where it is held, now \[m\].
+    /// How far the farthest held point is from where it is held, now \[m\]. A rigid body that rests on others or hangs on joints can be
+    /// half a millimetre off the place at which it holds nodes, see the README's limits.
     pub fn attachment_stretch(
         &self,
         handle: AttachmentHandle,
         bodies: &RigidBodySet,
     ) -> Option<f64> {
-        self.stretch(self.attachments.get(handle.0)?, bodies)
-    }
-
-    fn stretch(&self, bond: &AttachmentState, bodies: &RigidBodySet) -> Option<f64> {
-        let (origin, rot) = match bond.target {
+        let bond = self.attachments.get(handle.0)?;
+        let frame = match bond.target {
             AttachTo::Body(body) => frame(bodies.get(body)?),
             _ => (DVec3::ZERO, DQuat::IDENTITY),
         };
+        self.stretch(bond, frame)
+    }
+
+    /// The same from where it is held in truth.
+    fn own_stretch(&self, bond: &AttachmentState, bodies: &RigidBodySet) -> Option<f64> {
+        let frame = match bond.target {
+            AttachTo::Body(body) => held_frame(&self.memory, (body, bodies.get(body)?)),
+            _ => (DVec3::ZERO, DQuat::IDENTITY),
+        };
+        self.stretch(bond, frame)
+    }
+
+    fn stretch(&self, bond: &AttachmentState, (origin, rot): (DVec3, DQuat)) -> Option<f64> {
         let other = match bond.target {
             AttachTo::Deformable(other) => Some(&self.get(other)?.state),
             _ => None,
@@ -198,7 +209,7 @@ impl DeformableWorld {
     pub(super) fn find_loose_attachments(&mut self, parts: &RapierParts) {
         let limit = LOOSE * parts.length_unit();
         let look = |(i, bond): (_, &AttachmentState)| {
-            let apart = self.stretch(bond, parts.bodies);
+            let apart = self.own_stretch(bond, parts.bodies);
             let body = bond.body().and_then(|b| parts.bodies.get(b));
             let asleep = body.is_some_and(|b| b.is_sleeping());
             let loose = !bond.is_link() && apart.is_some_and(|s| s > limit);
@@ -213,16 +224,33 @@ impl DeformableWorld {
 
     /// Whether it was pulled apart, or together, since the last step, in which its rigid body slept.
     pub(super) fn is_moved_asleep(&self, bond: &AttachmentState, parts: &RapierParts) -> bool {
-        let apart = self.stretch(bond, parts.bodies);
+        let apart = self.own_stretch(bond, parts.bodies);
         let by = apart.zip(bond.apart_asleep).map(|(now, last)| now - last);
         by.is_some_and(|by| by.abs() > LOOSE * parts.length_unit())
     }
 }
 
 /// Where a rigid body's frame is, and its axes.
-pub(super) fn frame(body: &RigidBody) -> (DVec3, DQuat) {
+fn frame(body: &RigidBody) -> (DVec3, DQuat) {
     let at = body.position();
     (wide(at.translation), wide_rotation(at.rotation))
+}
+
+/// The same where it holds nodes, which is that of its shadow.
+pub(super) fn held_frame(
+    memory: &BTreeMap<BodyKey, BodyMemory>,
+    (handle, body): (RigidBodyHandle, &RigidBody),
+) -> (DVec3, DQuat) {
+    let (origin, rot) = frame(body);
+    let Some(memory) = memory.get(&handle.into_raw_parts()) else {
+        return (origin, rot);
+    };
+    let com = wide(body.center_of_mass());
+    let (at, turned) = memory.apart(com, rot);
+    if (at, turned) == (com, rot) {
+        return (origin, rot);
+    }
+    (at + turned * (rot.inverse() * (origin - com)), turned)
 }
 
 /// How the nodes are held, once its numbers are in range.

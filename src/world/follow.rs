@@ -1,8 +1,9 @@
 //! What follows rigid bodies to where Rapier's own step has left these: attached nodes at once, shadows of what rests in their own
 //! time.
 
-use super::attach::frame;
+use super::attach::held_frame;
 use super::group::{BodyKey, Ends, Touched};
+use super::laden::softest_contact;
 use super::{Deformable, DeformableWorld, RapierParts};
 use crate::contact::target::wide_rotation;
 use crate::coupling::attach::{Hold, Part, Point};
@@ -10,18 +11,19 @@ use crate::coupling::flight::rotation_vector;
 use crate::coupling::observe::Answer;
 use crate::math::{DVec3, wide};
 use crate::solve::shadow::Shadow;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 impl DeformableWorld {
     /// Leaves the shadow of what rests on rigid bodies where it is after Rapier's step of `dt` s, see [`BodyMemory::keep_apart`].
-    /// The shadow of what hangs on joints or holds nodes begins the next step where the body is, for joints and nodes would stretch; that
-    /// of a sleeper stays, or what lies on it would be moved. `holding` are the bodies that hold nodes.
+    /// The shadow of what hangs on joints or holds nodes begins the next step where the body is, for joints and nodes would stretch; but
+    /// where the springs behind these nodes are stiff, they are held where the shadow is, or they would be driven. That of a
+    /// sleeper stays, or what lies on it would be moved. `holding` are the bodies that hold nodes, and whether these are such.
     pub(super) fn leave_shadow(
         &mut self,
         parts: &RapierParts,
         touched: &Touched,
         end: &Shadow,
-        holding: &BTreeSet<BodyKey>,
+        holding: &BTreeMap<BodyKey, bool>,
         dt: f64,
     ) {
         let Some(memory) = self.memory.get_mut(&touched.body.into_raw_parts()) else {
@@ -32,20 +34,30 @@ impl DeformableWorld {
             return;
         };
         let mut joints = parts.impulse_joints.attached_joints(touched.body);
-        let rests = touched.answer == Answer::Constrained
-            && joints.next().is_none()
-            && !holding.contains(&touched.body.into_raw_parts());
-        if rests {
-            let turn = end.rot * wide_rotation(*body.rotation()).inverse();
-            let miss = end.com - wide(body.center_of_mass());
-            memory.keep_apart(miss, rotation_vector(turn), parts.length_unit(), dt);
-        } else {
-            memory.offset = Default::default();
-        }
+        let on_joints = joints.next().is_some();
+        let stiff = holding.get(&touched.body.into_raw_parts());
+        let rot = wide_rotation(*body.rotation());
+        let miss_of = |com: DVec3| (end.com - com, rotation_vector(end.rot * rot.inverse()));
+        let (miss, turn) = match (touched.answer, stiff) {
+            _ if on_joints => Default::default(),
+            (Answer::Constrained, None) => miss_of(wide(body.center_of_mass())),
+            // Its mass may have changed since the shadow was made.
+            (Answer::Constrained, Some(true)) => {
+                miss_of(wide(body.translation()) + rot * touched.local_com)
+            }
+            // What its shadow took for free, Rapier may have stopped.
+            (Answer::Free, Some(true)) if softest_contact(body, parts).is_some() => {
+                miss_of(wide(body.translation()) + rot * touched.local_com)
+            }
+            // It is turned as its shadow, and has moved as far.
+            (Answer::Free, Some(true)) => (memory.offset.0, DVec3::ZERO),
+            _ => Default::default(),
+        };
+        memory.keep_apart(miss, turn, parts.length_unit(), dt);
     }
 
-    /// Brings held points to where Rapier's own step has left their rigid bodies, which shadows know only to the extent that
-    /// joints and contacts answered as they did before. Positions alone: it completes the way over which the attachment has
+    /// Brings held points to where the shadows of their rigid bodies begin the next step, which is for all that have been left
+    /// where they were a little nearer to their bodies. Positions alone: it completes the way over which the attachment has
     /// worked, so it is booked as work received from the body. The rate is unlimited; what was moved from outside is not
     /// touched here. A link brings its nodes by what the body has missed its shadow's place, the more of it the stiffer it is:
     /// what it is stretched by in between it would keep, and a stiff one throw the node.
@@ -61,14 +73,15 @@ impl DeformableWorld {
             }
         }
         for (_, bond) in self.attachments.iter() {
-            let rigid = bond.body().and_then(|b| parts.bodies.get(b));
-            let (Some(rigid), Some(soft)) = (rigid, self.bodies.get_mut(bond.deformable.0)) else {
+            let rigid = bond.body().and_then(|b| Some((b, parts.bodies.get(b)?)));
+            let soft = self.bodies.get_mut(bond.deformable.0);
+            let (Some((handle, rigid)), Some(soft)) = (rigid, soft) else {
                 continue;
             };
             if bond.loose || bond.is_broken() || !rigid.is_enabled() || !soft.is_active() {
                 continue;
             }
-            let (origin, rot) = frame(rigid);
+            let (origin, rot) = held_frame(&self.memory, (handle, rigid));
             let mut errors: Vec<_> = bond.errors(origin, rot, &soft.state, None).collect();
             if let Hold::Link { stiffness, .. } = bond.hold {
                 let shadow = bond.body().and_then(|b| shadows.get(&b.into_raw_parts()));

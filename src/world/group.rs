@@ -10,7 +10,7 @@ use crate::coupling::handover;
 use crate::coupling::linkage::Mobility;
 use crate::coupling::memory::{BodyMemory, Response};
 use crate::coupling::observe::{self, Answer, Surroundings};
-use crate::math::{DQuat, DVec3};
+use crate::math::{DQuat, DVec3, wide};
 use crate::solve::shadow::Shadow;
 use rapier3d::dynamics::RigidBodyHandle;
 use std::collections::BTreeMap;
@@ -22,6 +22,8 @@ pub(super) struct Touched {
     pub answer: Answer,
     pub mobility: Mobility,
     pub start: Shadow,
+    /// The body's centre of mass in its own frame \[m\].
+    pub local_com: DVec3,
 }
 
 /// A body that has been handed its first part and waits for the rest.
@@ -82,6 +84,7 @@ impl Origins<'_> {
             answer,
             mobility,
             start,
+            local_com: wide(body.local_center_of_mass()),
         });
         group.shadows.push(start);
         group.shadows.len() as u32 - 1

@@ -251,9 +251,7 @@ impl DeformableWorld {
     fn hand_over(&mut self, parts: &mut RapierParts, dt: f64) {
         self.steps += 1;
         let mut ends = Ends::new();
-        let bonds = self.attachments.iter().filter(|(_, b)| !b.is_broken());
-        let holding = bonds.filter_map(|(_, b)| b.body());
-        let holding = holding.map(RigidBodyHandle::into_raw_parts).collect();
+        let holding = self.holding(parts, dt);
         for Waiting {
             touched,
             end,
