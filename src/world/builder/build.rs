@@ -139,7 +139,8 @@ impl DeformableBuilder {
     fn check_thickness(&self, touching: &Blueprint) -> Result<(), BuildError> {
         let thickness = f64::from(self.surface.thickness);
         let limit = 0.5 * outline::spacing(touching);
-        if thickness > limit {
+        // Places of nodes are rounded.
+        if thickness > limit * (1.0 + 1e-5) {
             return Err(BuildError::TooThick { thickness, limit });
         }
         Ok(())

@@ -522,6 +522,14 @@ fn a_surface_too_thick_is_refused() {
     );
     assert!(net(1.0, 11).thickness(f32::NAN).build().is_err());
     assert!(net(1.0, 11).thickness(0.04).build().is_ok());
+    // Half of the spacing, whatever rounding makes of it.
+    for edges in [7, 10, 13, 49, 100] {
+        let line = rope(Vector::ZERO, Vector::X * 4.0, edges, 0.01);
+        let half = 2.0 / edges as f32;
+        let line = DeformableBuilder::new(line).material(Material::rubber());
+        let built = line.thickness(half).build();
+        assert!(built.is_ok(), "{edges}: {:?}", built.err());
+    }
 }
 
 /// V43 with a thickness: friction acts at one place, not at two a thickness apart, which would be a couple.
