@@ -50,7 +50,11 @@ impl DeformableWorld {
         let (origin, rot) = match target {
             AttachTo::Body(handle) => {
                 let body = bodies.get(handle).ok_or(AttachError::UnknownBody(handle))?;
-                held_frame(&self.memory, (handle, body))
+                if self.holds_nodes(handle) {
+                    held_frame(&self.memory, (handle, body))
+                } else {
+                    frame(body)
+                }
             }
             _ => (DVec3::ZERO, DQuat::IDENTITY),
         };
@@ -81,6 +85,13 @@ impl DeformableWorld {
         };
         let com = com.unwrap_or_default();
         self.wake_attached(deformable, target);
+        // What holds nodes for the first time holds them where it is, not where its shadow was.
+        if let AttachTo::Body(body) = target
+            && !self.holds_nodes(body)
+            && let Some(memory) = self.memory.get_mut(&body.into_raw_parts())
+        {
+            memory.offset = Default::default();
+        }
         Ok(AttachmentHandle(self.attachments.insert(Bond {
             deformable,
             target,
@@ -109,6 +120,11 @@ impl DeformableWorld {
     pub fn detach(&mut self, handle: AttachmentHandle) -> bool {
         let bond = self.attachments.remove(handle.0);
         bond.map(|bond| self.release(&bond)).is_some()
+    }
+
+    fn holds_nodes(&self, body: RigidBodyHandle) -> bool {
+        let mut bonds = self.attachments.iter().map(|(_, bond)| bond);
+        bonds.any(|bond| bond.body() == Some(body) && !bond.is_broken())
     }
 
     fn wake_attached(&mut self, deformable: DeformableHandle, target: AttachTo) {
@@ -156,8 +172,8 @@ impl DeformableWorld {
         self.attachments.get(handle.0).map(|a| (a.force, a.torque))
     }
 
-    /// How far the farthest held point is from where it is held, now \[m\]. A rigid body that rests on others or hangs on joints can be
-    /// half a millimetre off the place at which it holds nodes, see the README's limits.
+    /// How far the farthest held point is from where it is held, now \[m\]. A rigid body that rests on others and is light for
+    /// the springs behind the nodes can be half a millimetre off the place at which it holds them, see the README's limits.
     pub fn attachment_stretch(
         &self,
         handle: AttachmentHandle,

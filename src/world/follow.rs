@@ -39,10 +39,9 @@ impl DeformableWorld {
         let rot = wide_rotation(*body.rotation());
         let miss_of = |com: DVec3| (end.com - com, rotation_vector(end.rot * rot.inverse()));
         let (miss, turn) = match (touched.answer, stiff) {
-            _ if on_joints => Default::default(),
-            (Answer::Constrained, None) => miss_of(wide(body.center_of_mass())),
+            (Answer::Constrained, None) if !on_joints => miss_of(wide(body.center_of_mass())),
             // Its mass may have changed since the shadow was made.
-            (Answer::Constrained, Some(true)) => {
+            (Answer::Constrained, Some(true)) if !on_joints => {
                 miss_of(wide(body.translation()) + rot * touched.local_com)
             }
             // What its shadow took for free, Rapier may have stopped.
@@ -50,7 +49,9 @@ impl DeformableWorld {
                 miss_of(wide(body.translation()) + rot * touched.local_com)
             }
             // It is turned as its shadow, and has moved as far.
-            (Answer::Free, Some(true)) => (memory.offset.0, DVec3::ZERO),
+            (Answer::Free, Some(_)) => (memory.offset.0, DVec3::ZERO),
+            // Nodes that were held off the body are not to be moved at once.
+            (_, Some(_)) => memory.offset,
             _ => Default::default(),
         };
         memory.keep_apart(miss, turn, parts.length_unit(), dt);
