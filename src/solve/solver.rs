@@ -56,6 +56,8 @@ pub struct Solver<S> {
     pub(crate) totals: Vec<Totals>,
     /// Of each node when it was last looked at, and one more.
     pub(crate) last_rates: Vec<Rates<S>>,
+    /// Bound of the square of its largest undamped frequency when it was last looked at \[1/s²\].
+    pub(crate) stiffest: f64,
     /// Springs that yielded or broke since the last look. Each does so once.
     pub(crate) events: Vec<LimitEvent<S>>,
     /// Largest squared speed that the last integration pass has seen, before rows gave their impulses; NaN or infinite when a

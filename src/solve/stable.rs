@@ -98,6 +98,7 @@ impl<S: Scalar> Solver<S> {
         let (step, worst) = self.longest_step(state, integrator, &rates);
         self.learn_swings(state, &rates, worst);
         self.last_rates = rates;
+        self.stiffest = worst.0;
         step
     }
 

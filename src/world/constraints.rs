@@ -5,7 +5,7 @@ use super::group::Origins;
 use super::substep::Group;
 use crate::coupling::constraints::{RigidContact, RigidJoint};
 use crate::coupling::observe::Answer;
-use crate::math::DVec3;
+use crate::math::{DQuat, DVec3};
 use crate::solve::rows::{Joint, JointRow, RigidRow};
 use std::collections::BTreeSet;
 
@@ -60,15 +60,19 @@ impl Group {
     }
 
     fn add_joint(&mut self, shadows: [u32; 2], joint: &RigidJoint) {
-        let sides = shadows.map(|i| self.shadows[i as usize]);
-        let anchor = |k: usize| sides[k].rot.inverse() * (joint.anchors[k] - sides[k].com);
-        let opening = joint.anchors[1] - joint.anchors[0];
-        let along = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| opening.dot(joint.frames[0] * axis));
+        let own = shadows.map(|i| self.body_at(i));
+        let anchors = [0, 1].map(|k| own[k].1.inverse() * (joint.anchors[k] - own[k].0));
+        let frames = [0, 1].map(|k| own[k].1.inverse() * joint.frames[k]);
+        // Of shadows that start apart from their bodies, too, what is open is not theirs to mend.
+        let sides = shadows.map(|i| &self.shadows[i as usize]);
+        let [first, second] = [0, 1].map(|k| sides[k].com + sides[k].rot * anchors[k]);
+        let axes = sides[0].rot * frames[0];
+        let along = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| (second - first).dot(axes * axis));
         let per_mass = joint.per_mass;
         let joint = Joint {
             shadows,
-            anchors: [anchor(0), anchor(1)],
-            frames: [0, 1].map(|k| sides[k].rot.inverse() * joint.frames[k]),
+            anchors,
+            frames,
             axes: joint.axes,
             open: DVec3::from_array(along),
         };
@@ -77,7 +81,9 @@ impl Group {
     }
 
     fn add_rigid_contact(&mut self, shadows: [u32; 2], contact: &RigidContact, dt: f64) {
-        let arm = |k: usize| contact.points[k] - self.shadows[shadows[k] as usize].com;
+        // As Rapier has it: both give way at one point, half way between the surfaces.
+        let point = 0.5 * (contact.points[0] + contact.points[1]);
+        let arm = |k: usize| point - self.body_at(shadows[k]).0;
         let gap = (contact.points[1] - contact.points[0]).dot(contact.normal);
         let row = RigidRow {
             shadows,
@@ -93,6 +99,12 @@ impl Group {
             ..RigidRow::default()
         };
         self.rows.rigid.push(row);
+    }
+
+    /// Where the centre of mass of a shadow's body is, and its orientation.
+    fn body_at(&self, shadow: u32) -> (DVec3, DQuat) {
+        let touched = (shadow as usize).checked_sub(1).map(|i| &self.touched[i]);
+        touched.map_or((DVec3::ZERO, DQuat::IDENTITY), |t| t.at)
     }
 
     /// Lets go of bodies that could have pressed on others and did not: they are as free as any.

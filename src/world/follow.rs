@@ -2,8 +2,8 @@
 //! time.
 
 use super::attach::held_frame;
-use super::group::{BodyKey, Ends, Touched};
-use super::laden::softest_contact;
+use super::group::{Ends, Touched};
+use super::laden::{Held, softest_contact};
 use super::{Deformable, DeformableWorld, RapierParts};
 use crate::contact::target::wide_rotation;
 use crate::coupling::attach::{Hold, Part, Point};
@@ -16,14 +16,14 @@ use std::collections::BTreeMap;
 impl DeformableWorld {
     /// Leaves the shadow of what rests on rigid bodies where it is after Rapier's step of `dt` s, see [`BodyMemory::keep_apart`].
     /// The shadow of what hangs on joints or holds nodes begins the next step where the body is, for joints and nodes would stretch; but
-    /// where the springs behind these nodes are stiff, they are held where the shadow is, or they would be driven. That of a
-    /// sleeper stays, or what lies on it would be moved. `holding` are the bodies that hold nodes, and whether these are such.
+    /// where the springs behind nodes are stiff, these are held where the shadow is, or they would be driven, and so is all that
+    /// hangs on it. That of a sleeper stays, or what lies on it would be moved.
     pub(super) fn leave_shadow(
         &mut self,
         parts: &RapierParts,
         touched: &Touched,
         end: &Shadow,
-        holding: &BTreeMap<BodyKey, bool>,
+        held: &Held,
         dt: f64,
     ) {
         let Some(memory) = self.memory.get_mut(&touched.body.into_raw_parts()) else {
@@ -35,23 +35,23 @@ impl DeformableWorld {
         };
         let mut joints = parts.impulse_joints.attached_joints(touched.body);
         let on_joints = joints.next().is_some();
-        let stiff = holding.get(&touched.body.into_raw_parts());
+        let (holds, is_stiff) = (held.holds(touched.body), held.is_stiff(touched.body));
         let rot = wide_rotation(*body.rotation());
         let miss_of = |com: DVec3| (end.com - com, rotation_vector(end.rot * rot.inverse()));
-        let (miss, turn) = match (touched.answer, stiff) {
-            (Answer::Constrained, None) if !on_joints => miss_of(wide(body.center_of_mass())),
+        let (miss, turn) = match touched.answer {
             // Its mass may have changed since the shadow was made.
-            (Answer::Constrained, Some(true)) if !on_joints => {
+            Answer::Constrained if is_stiff => {
                 miss_of(wide(body.translation()) + rot * touched.local_com)
             }
+            Answer::Constrained if !on_joints && !holds => miss_of(wide(body.center_of_mass())),
             // What its shadow took for free, Rapier may have stopped.
-            (Answer::Free, Some(true)) if softest_contact(body, parts).is_some() => {
+            Answer::Free if is_stiff && softest_contact(body, parts).is_some() => {
                 miss_of(wide(body.translation()) + rot * touched.local_com)
             }
             // It is turned as its shadow, and has moved as far.
-            (Answer::Free, Some(_)) => (memory.offset.0, DVec3::ZERO),
-            // Nodes that were held off the body are not to be moved at once.
-            (_, Some(_)) => memory.offset,
+            Answer::Free if holds => (memory.offset.0, DVec3::ZERO),
+            // Nodes and joints of what was held off the body are not to be moved at once.
+            _ if holds || on_joints => memory.offset,
             _ => Default::default(),
         };
         memory.keep_apart(miss, turn, parts.length_unit(), dt);

@@ -22,6 +22,8 @@ pub(super) struct Touched {
     pub answer: Answer,
     pub mobility: Mobility,
     pub start: Shadow,
+    /// Where the body's centre of mass is, and its orientation: a shadow may start apart from it.
+    pub at: (DVec3, DQuat),
     /// The body's centre of mass in its own frame \[m\].
     pub local_com: DVec3,
 }
@@ -76,6 +78,7 @@ impl Origins<'_> {
         if let Some(course) = self.courses.get(&handle.into_raw_parts()) {
             start.lead_on(course.bend, self.dt);
         }
+        let at = (start.com, start.rot);
         if let Some(memory) = self.memory.get(&handle.into_raw_parts()) {
             (start.com, start.rot) = memory.apart(start.com, start.rot);
         }
@@ -84,6 +87,7 @@ impl Origins<'_> {
             answer,
             mobility,
             start,
+            at,
             local_com: wide(body.local_center_of_mass()),
         });
         group.shadows.push(start);

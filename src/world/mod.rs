@@ -142,6 +142,8 @@ pub struct DeformableWorld {
     /// The shapes met so far, as contact sees them.
     forms: Forms,
     waiting: Vec<Waiting>,
+    /// The rigid bodies that hold nodes in the step under way.
+    held: laden::Held,
     report: StepReport,
     time: f64,
     steps: u64,

@@ -199,6 +199,7 @@ impl DeformableWorld {
     ) {
         self.drop_stale_attachments(Some(&*parts.bodies));
         self.find_loose_attachments(parts);
+        self.held = self.find_held(parts, dt, self.params.max_rigid_dt.min(frame));
         for (_, attachment) in self.attachments.iter_mut() {
             let owner = self.bodies.get(attachment.deformable.0);
             if !owner.is_some_and(|b| b.is_sleeping()) {
@@ -251,7 +252,7 @@ impl DeformableWorld {
     fn hand_over(&mut self, parts: &mut RapierParts, dt: f64) {
         self.steps += 1;
         let mut ends = Ends::new();
-        let holding = self.holding(parts, dt);
+        let held = std::mem::take(&mut self.held);
         for Waiting {
             touched,
             end,
@@ -279,7 +280,7 @@ impl DeformableWorld {
             {
                 self.report.coupling_defect += handover::after_step(body, &pending, &end, memory);
             }
-            self.leave_shadow(parts, &touched, &end, &holding, dt);
+            self.leave_shadow(parts, &touched, &end, &held, dt);
         }
         self.follow_rigid_bodies(parts, &ends);
         self.watch_sleepers(parts, dt);

@@ -108,6 +108,8 @@ pub struct Rows {
     pub joints: Vec<JointRow>,
     /// Whether something strikes what rests, which takes more passes.
     pub blow: bool,
+    /// Whether shadows on joints bear a stiff deformable, which takes more visits of these.
+    pub bears: bool,
     /// How fast points are moved out of what they are in, and bodies lifted that hold them, at most \[m/s\].
     pub push_out: f64,
     /// What is settled.

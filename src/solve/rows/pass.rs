@@ -26,6 +26,11 @@ const SINKS: f64 = 0.03;
 /// lose friction by it, and contacts of rigid bodies would not bear what is put on them.
 const RESTS: usize = 4;
 
+/// How often contacts and joints of shadows are visited in a pass where light ones bear a heavy deformable. The feet of 5 kg of a
+/// car of 876 kg on fixed joints began every step 2.9 mm/s off with one visit, 0.3 mm/s with two and 0.4 mm/s with four, in which rolling
+/// wheels end nearer to Rapier's.
+const SWEEPS: usize = 4;
+
 impl Rows {
     /// Solves all rows in at most `passes` passes, or so many times as many where they need it, stopping once one changes
     /// nothing, and books the impulses to the shadows. `reversed` picks the order of the first pass.
@@ -60,6 +65,7 @@ impl Rows {
             answers: &mut self.answers,
             squeezed,
             h,
+            sweeps: if self.bears { SWEEPS } else { 1 },
             rests: false,
             settled: Settled {
                 tolerance: 0.0,
@@ -128,6 +134,8 @@ pub(super) struct Pass<'a> {
     /// Whether `squeeze` is of these rows.
     pub squeezed: bool,
     h: f64,
+    /// How often contacts and joints of shadows are visited in a pass.
+    sweeps: usize,
     /// Whether points of several nodes rest in this pass, see [`RESTS`].
     rests: bool,
     pub settled: Settled,
@@ -163,16 +171,31 @@ impl Pass<'_> {
     /// One pass over all rows, forth or back; whether it changed anything.
     fn solve_all(&mut self, back: bool) -> bool {
         if back {
-            self.solve_joints(true)
-                | self.solve_rigid(true)
+            self.solve_between_shadows(true)
                 | self.solve_contacts((0..self.contacts.len()).rev())
                 | self.solve_ties((0..self.ties.len()).rev())
         } else {
             self.solve_ties(0..self.ties.len())
                 | self.solve_contacts(0..self.contacts.len())
-                | self.solve_rigid(false)
-                | self.solve_joints(false)
+                | self.solve_between_shadows(false)
         }
+    }
+
+    /// Contacts and joints of shadows with each other, forth or back, or to and fro; whether anything changed.
+    fn solve_between_shadows(&mut self, back: bool) -> bool {
+        let mut changed = false;
+        for n in 0..self.sweeps {
+            let again = if back == (n % 2 == 0) {
+                self.solve_joints(true) | self.solve_rigid(true)
+            } else {
+                self.solve_rigid(false) | self.solve_joints(false)
+            };
+            changed |= again;
+            if !again {
+                break;
+            }
+        }
+        changed
     }
 
     /// Whether rows share nodes, or shadows press on each other: these take more passes when a blow finds them unprepared.
