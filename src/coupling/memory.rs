@@ -22,7 +22,7 @@ pub struct BodyMemory {
     pub supported: bool,
     /// Whether any node lay within 2 mm of it when last looked.
     pub near: bool,
-    /// By how much its shadow is off, of what rests on rigid bodies: its centre of mass \[m\], and its orientation as an angle times
+    /// By how much its shadow is off, of what rests on rigid bodies or bears a stiff deformable: its centre of mass \[m\], and its orientation as an angle times
     /// an axis \[rad\].
     pub offset: (DVec3, DVec3),
     /// The last step in which a deformable could touch it.
@@ -110,7 +110,8 @@ impl BodyMemory {
     /// A body that rests on others has come to lie elsewhere than its shadow, which lies by `miss` m and a `turn` from it now and goes
     /// to it in its own time. For Rapier's contacts give way to what presses harder than in the step before, shadows' do not, and
     /// what a deformable is pressed by because of that presses back in the next step. Where it is so stiff that a body would swing
-    /// on it within a step or two, that is the more the longer it goes on: a stack of boxes dances, and creeps.
+    /// on it within a step or two, that is the more the longer it goes on: a stack of boxes dances, and creeps. Likewise what Rapier's
+    /// iterations leave of the errors of joints that bear a stiff deformable: a parked car heats up.
     pub fn keep_apart(&mut self, miss: DVec3, turn: DVec3, length_unit: f64, dt: f64) {
         let keep = (-REUNION * dt).exp();
         let (far, turned) = APART;

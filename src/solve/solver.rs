@@ -56,7 +56,7 @@ pub struct Solver<S> {
     pub(crate) totals: Vec<Totals>,
     /// Of each node when it was last looked at, and one more.
     pub(crate) last_rates: Vec<Rates<S>>,
-    /// Bound of the square of its largest undamped frequency when it was last looked at \[1/s²\].
+    /// A bound of the square of its highest undamped frequency when it was last looked at \[1/s²\].
     pub(crate) stiffest: f64,
     /// Springs that yielded or broke since the last look. Each does so once.
     pub(crate) events: Vec<LimitEvent<S>>,

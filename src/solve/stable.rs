@@ -71,7 +71,7 @@ impl<S: Scalar> Solver<S> {
     ///
     /// The rates of nodes are sums in the scalar of the solver.
     pub fn stable_step(&self, state: &State<S>, integrator: Integrator) -> StableStep {
-        let (mut step, worst) = self.longest_step(state, integrator, &self.rates(state));
+        let (mut step, worst, _) = self.longest_step(state, integrator, &self.rates(state));
         if step.never {
             let (least, spring) = self.relaxation();
             step.spring = spring.filter(|_| least <= 0.0);
@@ -95,10 +95,10 @@ impl<S: Scalar> Solver<S> {
     /// free node must have a swing.
     pub(crate) fn review(&mut self, state: &mut State<S>, integrator: Integrator) -> StableStep {
         let rates = self.rates_by_rows(state);
-        let (step, worst) = self.longest_step(state, integrator, &rates);
+        let (step, worst, stiffest) = self.longest_step(state, integrator, &rates);
         self.learn_swings(state, &rates, worst);
         self.last_rates = rates;
-        self.stiffest = worst.0;
+        self.stiffest = stiffest;
         step
     }
 
@@ -233,14 +233,14 @@ impl<S: Scalar> Solver<S> {
         found
     }
 
-    /// The longest stable substep, its spring not named yet, and the worst rates of any node. Of a body of springs and elements
-    /// the element is named if most is its doing.
+    /// The longest stable substep, its spring not named yet, the rates of the node that sets it, and the largest one of stiffness of any
+    /// free node. Of a body of springs and elements the element is named if most is its doing.
     fn longest_step(
         &self,
         state: &State<S>,
         integrator: Integrator,
         rates: &[Rates<S>],
-    ) -> (StableStep, (f64, f64)) {
+    ) -> (StableStep, (f64, f64), f64) {
         let part = self.part.as_ref();
         let [elastic, viscous] = part.map_or_else(Default::default, |p| p.rates(&state.particles));
         let drag = self.external.drag.f64();
@@ -262,10 +262,12 @@ impl<S: Scalar> Solver<S> {
             }
         }
         let mut worst = (f64::INFINITY, (-1.0, -1.0));
+        let mut largest = 0.0_f64;
         let nodes = state.particles.iter().zip(rates);
         for (p, rates) in nodes.filter(|(p, _)| p.inv_mass > S::ZERO) {
             let k = rates.stiff().f64() + elastic.largest;
             let c = rates.damp().f64() + drag * p.inv_mass.f64() + viscous.largest;
+            largest = largest.max(k);
             // The step only falls with either.
             if !(k <= worst.1.0 && c <= worst.1.1) {
                 let finite = k.is_finite() && c.is_finite();
@@ -291,7 +293,7 @@ impl<S: Scalar> Solver<S> {
             element: elastic.element.filter(|_| most),
             never,
         };
-        (step, worst.1)
+        (step, worst.1, largest)
     }
 
     /// The spring that has most of the energy of the fastest mode: a change of its constants changes the step most. In that mode

@@ -172,8 +172,9 @@ impl DeformableWorld {
         self.attachments.get(handle.0).map(|a| (a.force, a.torque))
     }
 
-    /// How far the farthest held point is from where it is held, now \[m\]. A rigid body that rests on others and is light for
-    /// the springs behind the nodes can be half a millimetre off the place at which it holds them, see the README's limits.
+    /// How far the farthest held point is from where it is held, now \[m\]. A rigid body that rests on others or hangs on
+    /// joints, and is light for the springs behind the nodes, can be half a millimetre and 5 mrad off the place at which it holds them, see
+    /// the README's limits.
     pub fn attachment_stretch(
         &self,
         handle: AttachmentHandle,

@@ -1,7 +1,7 @@
 //! Rigid bodies that press on each other or are joined: their shadows belong to the same group and keep these contacts
 //! and joints.
 
-use super::group::Origins;
+use super::group::{BodyKey, Origins};
 use super::substep::Group;
 use crate::coupling::constraints::{RigidContact, RigidJoint};
 use crate::coupling::observe::Answer;
@@ -99,6 +99,13 @@ impl Group {
             ..RigidRow::default()
         };
         self.rows.rigid.push(row);
+    }
+
+    /// Whether any of these bodies hangs on a joint.
+    pub fn bears(&self, stiffly: &BTreeSet<BodyKey>) -> bool {
+        let on_joints = self.rows.joints.iter().flat_map(|row| row.joint.shadows);
+        let mut touched = on_joints.filter_map(|i| self.touched.get((i as usize).checked_sub(1)?));
+        !stiffly.is_empty() && touched.any(|t| stiffly.contains(&t.body.into_raw_parts()))
     }
 
     /// Where the centre of mass of a shadow's body is, and its orientation.

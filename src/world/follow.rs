@@ -15,9 +15,9 @@ use std::collections::BTreeMap;
 
 impl DeformableWorld {
     /// Leaves the shadow of what rests on rigid bodies where it is after Rapier's step of `dt` s, see [`BodyMemory::keep_apart`].
-    /// The shadow of what hangs on joints or holds nodes begins the next step where the body is, for joints and nodes would stretch; but
-    /// where the springs behind nodes are stiff, these are held where the shadow is, or they would be driven, and so is all that
-    /// hangs on it. That of a sleeper stays, or what lies on it would be moved.
+    /// The shadow of what hangs on joints or holds nodes goes to where the body is and stays there, for joints and nodes would stretch;
+    /// but where the springs behind nodes are stiff, these are held where the shadow is, or they would be driven, and so is all that
+    /// hangs together with it. That of a sleeper stays, or what lies on it would be moved.
     pub(super) fn leave_shadow(
         &mut self,
         parts: &RapierParts,
@@ -33,7 +33,7 @@ impl DeformableWorld {
         let Some(body) = body.filter(|b| !b.is_sleeping()) else {
             return;
         };
-        let mut joints = parts.impulse_joints.attached_joints(touched.body);
+        let mut joints = parts.impulse_joints.attached_enabled_joints(touched.body);
         let on_joints = joints.next().is_some();
         let (holds, is_stiff) = (held.holds(touched.body), held.is_stiff(touched.body));
         let rot = wide_rotation(*body.rotation());
@@ -51,7 +51,7 @@ impl DeformableWorld {
             // It is turned as its shadow, and has moved as far.
             Answer::Free if holds => (memory.offset.0, DVec3::ZERO),
             // Nodes and joints of what was held off the body are not to be moved at once.
-            _ if holds || on_joints => memory.offset,
+            Answer::Constrained if holds || on_joints => memory.offset,
             _ => Default::default(),
         };
         memory.keep_apart(miss, turn, parts.length_unit(), dt);

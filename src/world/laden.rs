@@ -45,11 +45,11 @@ struct Load {
 }
 
 /// The rigid bodies that hold nodes.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(super) struct Held {
     /// All.
     nodes: BTreeSet<BodyKey>,
-    /// Those that hold them stiffly, see [`STIFF`] and [`SWIFT`], and all that hang together with one of these by joints.
+    /// Those that hold them stiffly, and all that hang together with one of these by joints.
     stiffly: BTreeSet<BodyKey>,
 }
 
@@ -78,27 +78,43 @@ impl DeformableWorld {
         most.ceil() as usize
     }
 
-    /// The rigid bodies that hold nodes in steps of `dt` s, which are cut from steps of `usual` s.
-    pub(super) fn find_held(&self, parts: &RapierParts, dt: f64, usual: f64) -> Held {
+    /// The rigid bodies that hold nodes, with those that did so stiffly when the step began.
+    pub(super) fn held(&mut self) -> Held {
         let bonds = self.attachments.iter().filter(|(_, b)| !b.is_broken());
         let bodies = bonds.filter_map(|(_, b)| b.body());
-        let nodes = bodies.map(RigidBodyHandle::into_raw_parts).collect();
+        Held {
+            nodes: bodies.map(RigidBodyHandle::into_raw_parts).collect(),
+            stiffly: std::mem::take(&mut self.stiffly),
+        }
+    }
+
+    /// The rigid bodies that hold nodes stiffly, see [`STIFF`] and [`SWIFT`], in a step of `dt` s that is `usual` s long or a part of
+    /// such, and all that hang together with one of these by joints.
+    pub(super) fn find_stiffly_held(
+        &self,
+        parts: &RapierParts,
+        dt: f64,
+        usual: f64,
+    ) -> BTreeSet<BodyKey> {
+        let moving = |handle| {
+            let body = parts.bodies.get(handle);
+            body.filter(|b| b.is_dynamic() && b.is_enabled())
+        };
         let is_stiff = |(key, load): &(BodyKey, Load)| {
             let handle = handle_of(*key);
-            let body = parts.bodies.get(handle);
-            body.is_some_and(|body| load.is_stiff((handle, body), parts, usual))
+            moving(handle).is_some_and(|body| load.is_stiff((handle, body), parts, usual))
         };
         let stiff = self.loads(dt).into_iter().filter(is_stiff);
-        let mut stiffly: BTreeSet<BodyKey> = stiff.map(|(key, _)| key).collect();
-        let mut next: Vec<BodyKey> = stiffly.iter().copied().collect();
+        let mut found: BTreeSet<BodyKey> = stiff.map(|(key, _)| key).collect();
+        let mut next: Vec<BodyKey> = found.iter().copied().collect();
         while let Some(key) = next.pop() {
-            let joints = parts.impulse_joints.attached_joints(handle_of(key));
+            let joints = parts.impulse_joints.attached_enabled_joints(handle_of(key));
             let others = joints.flat_map(|(first, second, ..)| [first, second]);
-            let moves = |h: &RigidBodyHandle| parts.bodies.get(*h).is_some_and(|b| b.is_dynamic());
-            let others = others.filter(moves).map(RigidBodyHandle::into_raw_parts);
-            next.extend(others.filter(|key| stiffly.insert(*key)));
+            let others = others.filter(|other| moving(*other).is_some());
+            let others = others.map(RigidBodyHandle::into_raw_parts);
+            next.extend(others.filter(|key| found.insert(*key)));
         }
-        Held { nodes, stiffly }
+        found
     }
 
     /// What each rigid body holds, in steps of `dt` s.
@@ -114,6 +130,10 @@ impl DeformableWorld {
             }
             let h = dt / owner.last_substeps(dt).max(1) as f64;
             let held = owner.mass_held(bond, f64::INFINITY);
+            // What is pinned bears the body, and does not swing with it.
+            if held == 0.0 {
+                continue;
+            }
             // A stable substep is no longer than √(m/k) or so, k being that of all springs of a node. Those of other schemes tell less.
             let stiff = match owner.integrator() {
                 Integrator::SymplecticEuler => held / (h * h),
@@ -125,7 +145,9 @@ impl DeformableWorld {
                 Hold::Link { stiffness, .. } => {
                     let all = stiffness * bond.points.len() as f64;
                     let firmly = owner.mass_held(bond, stiffness * dt * dt);
-                    (firmly, stiff.min(all), swings.min((all / held).sqrt()))
+                    let lightest = owner.free_masses(bond).fold(held, f64::min);
+                    let swings = swings.min((stiffness / lightest).sqrt());
+                    (firmly, stiff.min(all), swings)
                 }
                 _ => (held, stiff, swings),
             };
@@ -141,11 +163,13 @@ impl DeformableWorld {
 impl Deformable {
     /// The mass of the free nodes of an attachment of it, each counted up to so much \[kg\].
     fn mass_held(&self, bond: &AttachmentState, most: f64) -> f64 {
-        let mass = |&n: &u32| {
-            let free = self.state.particles[n as usize].inv_mass > 0.0;
-            free.then(|| f64::from(self.blueprint.nodes[n as usize].mass).min(most))
-        };
-        bond.nodes.iter().filter_map(mass).sum()
+        self.free_masses(bond).map(|mass| mass.min(most)).sum()
+    }
+
+    fn free_masses(&self, bond: &AttachmentState) -> impl Iterator<Item = f64> {
+        let free = |n: &&u32| self.state.particles[**n as usize].inv_mass > 0.0;
+        let nodes = bond.nodes.iter().filter(free);
+        nodes.map(|&n| f64::from(self.blueprint.nodes[n as usize].mass))
     }
 }
 
@@ -184,7 +208,14 @@ impl Load {
         match Mount::of(handle, parts) {
             Mount::Link => false,
             Mount::Joints => self.is_swift(usual),
-            Mount::None => self.stiffness > STIFF * damper(&contact, body),
+            Mount::None => {
+                let stiff = if self.is_swift(usual) {
+                    STIFF / 4.0
+                } else {
+                    STIFF
+                };
+                self.stiffness > stiff * damper(&contact, body)
+            }
         }
     }
 
@@ -203,7 +234,7 @@ enum Mount {
 
 impl Mount {
     fn of(body: RigidBodyHandle, parts: &RapierParts) -> Self {
-        let mut joints = parts.impulse_joints.attached_joints(body);
+        let mut joints = parts.impulse_joints.attached_enabled_joints(body);
         if parts.multibody_joints.rigid_body_link(body).is_some() {
             Self::Link
         } else if joints.next().is_some() {

@@ -79,7 +79,7 @@ use crate::math::Vector;
 use group::{BodyKey, Waiting};
 use rapier3d::data::arena::{Arena, Index};
 use rapier3d::geometry::ColliderHandle;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A deformable in a [`DeformableWorld`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -142,8 +142,8 @@ pub struct DeformableWorld {
     /// The shapes met so far, as contact sees them.
     forms: Forms,
     waiting: Vec<Waiting>,
-    /// The rigid bodies that hold nodes in the step under way.
-    held: laden::Held,
+    /// The rigid bodies that hold nodes stiffly in the step under way.
+    stiffly: BTreeSet<group::BodyKey>,
     report: StepReport,
     time: f64,
     steps: u64,

@@ -86,7 +86,7 @@ impl DeformableWorld {
     /// For those who own the loop: advances the deformables through `parts.integration_parameters.dt` and gives rigid
     /// bodies the first part of their impulses. Make one Rapier step, then call [`Self::after_step`]. Heavy bodies on
     /// light deformables want Rapier steps of [`max_rigid_dt`](super::DeformableParameters::max_rigid_dt) or less here, light
-    /// ones that carry heavy nodes and lie on something still less, which [`Self::step`] sees to by itself.
+    /// ones that carry heavy nodes and lie on something or hang on joints still less, which [`Self::step`] sees to by itself.
     pub fn before_step(&mut self, parts: &mut RapierParts, observer: &mut dyn Observer) {
         let dt = f64::from(parts.integration_parameters.dt);
         if self.takes(dt, parts.gravity) && dt > 0.0 {
@@ -199,7 +199,8 @@ impl DeformableWorld {
     ) {
         self.drop_stale_attachments(Some(&*parts.bodies));
         self.find_loose_attachments(parts);
-        self.held = self.find_held(parts, dt, self.params.max_rigid_dt.min(frame));
+        let usual = self.params.max_rigid_dt.min(frame).max(dt);
+        self.stiffly = self.find_stiffly_held(parts, dt, usual);
         for (_, attachment) in self.attachments.iter_mut() {
             let owner = self.bodies.get(attachment.deformable.0);
             if !owner.is_some_and(|b| b.is_sleeping()) {
@@ -252,7 +253,7 @@ impl DeformableWorld {
     fn hand_over(&mut self, parts: &mut RapierParts, dt: f64) {
         self.steps += 1;
         let mut ends = Ends::new();
-        let held = std::mem::take(&mut self.held);
+        let held = self.held();
         for Waiting {
             touched,
             end,

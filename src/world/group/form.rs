@@ -53,9 +53,7 @@ impl DeformableWorld {
         self.add_bonds(&mut groups, bonds, &mut origins);
         for group in groups.values_mut() {
             group.find_rigid_constraints(&mut origins);
-            let mut touched = group.touched.iter();
-            group.rows.bears =
-                touched.any(|t| self.held.is_stiff(t.body)) && !group.rows.joints.is_empty();
+            group.rows.bears = group.bears(&self.stiffly);
         }
         (self.memory, self.courses) = (memory, courses);
         self.resume_encounters(&mut groups, &group_of, &handles, &meetings);

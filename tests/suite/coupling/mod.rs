@@ -3,6 +3,7 @@
 
 mod attached;
 mod carried;
+mod cars;
 mod heap;
 mod impact;
 mod joints;
