@@ -13,6 +13,9 @@ const STEPS: usize = 12;
 /// When a step counts as none, per length of the segment.
 const STILL: f64 = 1e-12;
 
+/// By which part of itself the way may be longer than what of it is along the normal.
+const ALONG: f64 = 1e-2;
+
 /// How much farther from the rim a start can be than the segment comes near it: √2 where the rim is straight.
 const ASIDE: f64 = 2.0;
 
@@ -106,6 +109,57 @@ impl Rim {
         let out = radial(point).1;
         let mantle = (out - self.cap * self.slope).normalize();
         let n = between(d.cross(DVec3::Y.cross(out)), [self.cap, mantle])?;
-        Some((t, n, self.way(point, out).dot(n)))
+        let way = self.way(point, out);
+        let distance = way.dot(n);
+        // The way is along n, but that of a segment along the tangent is rounding.
+        let off = way.length() - distance.abs();
+        (off <= ALONG * way.length() + STILL * self.radius).then_some((t, n, distance))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The lower one of a cylinder of 20 cm.
+    const RIM: Rim = Rim {
+        centre: DVec3::new(0.0, -0.03, 0.0),
+        radius: 0.2,
+        cap: DVec3::NEG_Y,
+        slope: 0.0,
+    };
+
+    /// A rope of 6 mm across the mantle, 3 cm above the rim: the normal was rounding, and the segment 2 cm inside.
+    #[test]
+    fn a_segment_across_the_mantle_is_not_inside() {
+        let a = DVec3::new(
+            -0.20302106885713522,
+            2.540667437983737e-16,
+            0.01952362774256722,
+        );
+        let d = DVec3::new(
+            2.195837138474488e-5,
+            -4.444868415790637e-20,
+            -0.020464331952011697,
+        );
+        for met in RIM.meetings(a, d, 0.05).into_iter().flatten() {
+            assert!((met.2.abs() - 0.03).abs() < 1e-3, "{met:?}");
+        }
+    }
+
+    /// Close to the rim and along it: the way to it is what it is, from every side.
+    #[test]
+    fn a_segment_along_the_rim_is_as_far_as_its_middle() {
+        for (x, y) in [(1e-3, 0.0), (0.0, 1e-3), (7e-4, 7e-4), (-1e-4, -1e-4)] {
+            for tilt in [1e-3, 0.1] {
+                let a = DVec3::new(0.2 + x, -0.03 - y, 0.0);
+                let d = DVec3::new(-tilt * y.signum(), -tilt * x.signum(), 1.0) * 0.02;
+                for (t, n, distance) in RIM.meetings(a - d * 0.5, d, 0.01).into_iter().flatten() {
+                    let point = a + d * (t - 0.5);
+                    let way = RIM.way(point, radial(point).1);
+                    assert!((way - n * distance).length() < 1e-6, "{x} {y} {tilt}");
+                }
+            }
+        }
     }
 }
