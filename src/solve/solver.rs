@@ -58,6 +58,8 @@ pub struct Solver<S> {
     pub(crate) last_rates: Vec<Rates<S>>,
     /// A bound of the square of its highest undamped frequency when it was last looked at \[1/s²\].
     pub(crate) stiffest: f64,
+    /// Its longest stable substep then \[s\].
+    pub(crate) stable_h: f64,
     /// Springs that yielded or broke since the last look. Each does so once.
     pub(crate) events: Vec<LimitEvent<S>>,
     /// Largest squared speed that the last integration pass has seen, before rows gave their impulses; NaN or infinite when a

@@ -99,6 +99,7 @@ impl<S: Scalar> Solver<S> {
         self.learn_swings(state, &rates, worst);
         self.last_rates = rates;
         self.stiffest = stiffest;
+        self.stable_h = step.h;
         step
     }
 

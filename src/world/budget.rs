@@ -135,6 +135,17 @@ impl Deformable {
         }
     }
 
+    /// The substep that it would take if Rapier's steps, of `dt` s now, left it the choice \[s\].
+    pub(super) fn own_substep(&self, dt: f64) -> f64 {
+        match self.substeps() {
+            Substeps::Auto { safety, min_h } if self.solver.stable_h > 0.0 => {
+                let longest = self.solver.stable_h * self.steady.share(safety);
+                longest.max(min_h)
+            }
+            _ => dt / self.last_substeps(dt).max(1) as f64,
+        }
+    }
+
     /// As [`Self::substeps_for`] for a body that something meets at `closing` m/s, and takes the opportunity to learn how it swings,
     /// for a longer substep next time. Says also after what time that is to be done again \[s\].
     pub(super) fn review(&mut self, dt: f64, frame: f64, closing: f64) -> (usize, bool, f64) {

@@ -128,7 +128,8 @@ impl DeformableWorld {
             if bond.is_broken() {
                 continue;
             }
-            let h = dt / owner.last_substeps(dt).max(1) as f64;
+            // Not the one that finer steps have cut: they would ask for still finer ones.
+            let h = owner.own_substep(dt);
             let held = owner.mass_held(bond, f64::INFINITY);
             // What is pinned bears the body, and does not swing with it.
             if held == 0.0 {

@@ -113,3 +113,33 @@ fn stiff_blocks_rest_on_light_plates() {
         assert!(given[0].abs() < 4e-3 * weight, "{what}: {} J", given[0]);
     }
 }
+
+/// A block of foam under a plate on a hinge. The stiffness behind its nodes was told by the substep, which finer steps of Rapier cut: after
+/// two seconds it was at every substep, and these were twice as many as foam needs.
+#[test]
+fn finer_steps_do_not_ask_for_finer_ones() {
+    let mut world = PhysicsWorld::default();
+    let ground = world.insert_body(RigidBodyBuilder::fixed().translation(Vector::Y * 2.0));
+    let body = RigidBodyBuilder::dynamic().translation(Vector::Y * 2.0);
+    let plate = ColliderBuilder::cuboid(0.2, 0.02, 0.2).mass(0.5);
+    let (plate, _) = world.insert(body, plate.collision_groups(InteractionGroups::none()));
+    world.insert_impulse_joint(ground, plate, RevoluteJointBuilder::new(Vector::Z));
+    let mut set = DeformableWorld::default();
+    let foam = DeformableBuilder::new(lattice(Vector::splat(0.4), 0.2))
+        .material(Material::polypropylene_foam())
+        .translation(Vector::Y * 1.78);
+    let foam = set.insert(foam).unwrap();
+    let nodes = (0..set[foam].node_count() as u32).map(NodeId);
+    let high = |n: &NodeId| set[foam].position(*n).unwrap().y > 1.9;
+    let nodes: Vec<NodeId> = nodes.filter(high).collect();
+    assert_eq!(nodes.len(), 9);
+    set.attach(foam, &nodes, plate, &world.bodies).unwrap();
+    set.step(&mut world);
+    let first = set.report().rigid_steps;
+    assert!(first > 4, "{first}");
+    for i in 0..120 {
+        set.step(&mut world);
+        let steps = set.report().rigid_steps;
+        assert!(steps <= first + 2, "{steps} in {i}, {first} at first");
+    }
+}
