@@ -26,6 +26,8 @@ const CALM: f64 = 3.0;
 const PRESSED: f64 = 2.0;
 
 /// The k/c from which on springs are stiff for the contact of a body that holds them \[1/s\]: it wants more than a step of usual length.
+/// Of swift ones, see [`SWIFT`], a quarter is enough: undamped steel foam on 500 kg got 17 kJ in 5 s at 393/s, `car_body` on 50 kg 0.7 J at
+/// 215/s.
 const STIFF: f64 = 240.0 * PRESSED;
 
 /// The ω·Δt from which on springs are stiff for the joints of a body that holds them, ω being the highest frequency there is. Under a
@@ -227,7 +229,9 @@ impl Load {
 
 /// What a body hangs on.
 enum Mount {
+    /// Nothing: it may stand on something.
     None,
+    /// Joints that are enabled.
     Joints,
     /// It is a link of a multibody, which shadows can't follow.
     Link,
