@@ -22,8 +22,8 @@ pub struct BodyMemory {
     pub supported: bool,
     /// Whether any node lay within 2 mm of it when last looked.
     pub near: bool,
-    /// By how much its shadow is off, of what rests on rigid bodies or bears a stiff deformable: its centre of mass \[m\], and its orientation as an angle times
-    /// an axis \[rad\].
+    /// By how much its shadow is off, of what rests on rigid bodies or bears a stiff deformable: its centre of mass \[m\], and its
+    /// orientation as an angle times an axis \[rad\].
     pub offset: (DVec3, DVec3),
     /// The last step in which a deformable could touch it.
     pub seen: u64,

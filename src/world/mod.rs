@@ -143,7 +143,7 @@ pub struct DeformableWorld {
     forms: Forms,
     waiting: Vec<Waiting>,
     /// The rigid bodies that hold nodes stiffly in the step under way.
-    stiffly: BTreeSet<group::BodyKey>,
+    stiffly: BTreeSet<BodyKey>,
     report: StepReport,
     time: f64,
     steps: u64,

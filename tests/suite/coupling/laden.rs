@@ -181,8 +181,14 @@ fn a_chain_swings_with_a_block_of_rubber() {
             let speeds = set[rubber].velocities().map(|v| v.length());
             fastest = speeds.fold(fastest, f32::max);
         }
+        // What blows of the whip may take is less than half of what there is: mass times way down, of the block and of the links.
         let lost = set[rubber].energies().dissipated();
-        assert!(lost < 100.0, "links of {mass} kg: {lost} J");
+        let links: f64 = (0..5).map(|i| 0.1 + 0.2 * f64::from(i)).sum();
+        let there = 9.81 * (1.2 * set[rubber].mass() + f64::from(mass) * links);
+        assert!(
+            lost < 0.5 * there,
+            "links of {mass} kg: {lost} of {there} J"
+        );
         // Whipped by the links it may be faster than √(2g·1.3 m).
         assert!(fastest < 15.0, "links of {mass} kg: {fastest} m/s");
     }
