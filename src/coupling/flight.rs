@@ -49,11 +49,7 @@ impl Flight {
             frame: wide_rotation(props.principal_inertia_local_frame),
             inertia: gyroscopic.then_some(inertia),
             spin_up: spin_up * h,
-            fastest: if body.is_fast_rotation_allowed() {
-                f64::INFINITY
-            } else {
-                FRAC_PI_4 / dt
-            },
+            fastest: fastest_spin(body, dt),
             damping: 1.0 / (1.0 + dt * f64::from(body.angular_damping())),
             count,
             h,
@@ -93,6 +89,15 @@ impl Flight {
             w = (w + off / dt).clamp_length_max(self.fastest);
         }
         best.1
+    }
+}
+
+/// The fastest that Rapier turns a body in a step of `dt` s \[rad/s\].
+pub fn fastest_spin(body: &RigidBody, dt: f64) -> f64 {
+    if body.is_fast_rotation_allowed() {
+        f64::INFINITY
+    } else {
+        FRAC_PI_4 / dt
     }
 }
 

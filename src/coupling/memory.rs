@@ -1,6 +1,7 @@
 //! What is remembered of each touched rigid body between steps: its response ratio, and what lay on it when it fell
 //! asleep.
 
+use super::flight::rotation_vector;
 use crate::math::{DQuat, DVec3};
 
 /// Memory of one rigid body.
@@ -25,6 +26,8 @@ pub struct BodyMemory {
     /// By how much its shadow is off, of what rests on rigid bodies or bears a stiff deformable: its centre of mass \[m\], and its
     /// orientation as an angle times an axis \[rad\].
     pub offset: (DVec3, DVec3),
+    /// Where it was when it had last moved on: its centre of mass \[m\] and its orientation.
+    pub stayed: (DVec3, DQuat),
     /// The last step in which a deformable could touch it.
     pub seen: u64,
 }
@@ -63,6 +66,7 @@ impl Default for BodyMemory {
             supported: false,
             near: false,
             offset: Default::default(),
+            stayed: (DVec3::INFINITY, DQuat::IDENTITY),
             seen: 0,
         }
     }
@@ -72,6 +76,10 @@ impl Default for BodyMemory {
 const REUNION: f64 = 10.0;
 /// How far off it can be, in length units and as an angle \[rad\].
 const APART: (f64, f64) = (5e-4, 5e-3);
+
+/// How far from where it stays a body that touches a deformable may be and fall asleep, in length units. Rapier lets sleep what has been
+/// slower than 0.1 m/s for half a second, and holds it then like a fixed one: in that time it may have been pushed by 5 cm.
+const STAYS: f64 = 1e-3;
 
 /// Averaging time of the load \[s\].
 const LOAD_TIME: f64 = 0.05;
@@ -129,6 +137,18 @@ impl BodyMemory {
         }
         let turn = DQuat::from_scaled_axis(turn);
         (com + miss, (turn * rot).normalize())
+    }
+
+    /// Whether a body has moved on from where it stayed, its centre of mass being at `com` m now: that, or what lies `arm` m from it.
+    pub fn moves_on(&mut self, (com, rot): (DVec3, DQuat), arm: f64, length_unit: f64) -> bool {
+        let (place, orientation) = self.stayed;
+        let turn = rotation_vector(rot * orientation.inverse()).length();
+        // From nowhere it has come a long way.
+        let moves = com.distance(place) + arm * turn > STAYS * length_unit;
+        if moves {
+            self.stayed = (com, rot);
+        }
+        moves
     }
 
     /// Follows the body through a step of `dt` s, and says whether it must wake: the load on it has changed by more than
@@ -200,6 +220,20 @@ mod tests {
         }
         let left = APART.0 * (-1.0_f64).exp();
         assert!((memory.offset.0.length() - left).abs() < 1e-9 * left);
+    }
+
+    #[test]
+    fn what_creeps_moves_on_and_what_trembles_stays() {
+        let mut memory = BodyMemory::default();
+        let at = |x: f64, turn: f64| (DVec3::X * x, DQuat::from_rotation_y(turn));
+        assert!(memory.moves_on(at(0.0, 0.0), 0.5, 1.0), "it was nowhere");
+        for i in 1..1000 {
+            let there = f64::from(i).sin();
+            assert!(!memory.moves_on(at(4e-4 * there, 1e-3 * there), 0.5, 1.0));
+        }
+        assert!(memory.moves_on(at(0.0, 3e-3), 0.5, 1.0), "it has turned");
+        let moves = (1..=100).filter(|i| memory.moves_on(at(1e-4 * f64::from(*i), 3e-3), 0.5, 1.0));
+        assert_eq!(moves.count(), 9, "a millimetre and a bit each");
     }
 
     #[test]

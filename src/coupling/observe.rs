@@ -1,6 +1,7 @@
 //! Reading a rigid body: its shadow, and whether something rigid holds it.
 
 use super::constraints::RigidConstraints;
+use super::flight::fastest_spin;
 use super::linkage::{self, Mobility};
 use super::memory::{BodyMemory, Response};
 use crate::contact::target::wide_rotation;
@@ -167,16 +168,25 @@ pub fn velocity(body: &RigidBody, dt: f64) -> (DVec3, DVec3) {
     match body.body_type() {
         // Its linvel is that of the last step; the target tells where it goes in this one.
         KinematicPositionBased => {
+            let (position, mut next_position) = (*body.position(), *body.next_position());
+            if next_position.rotation.dot(position.rotation) < 0.0 {
+                // The same orientation, but Rapier takes it for the long way round.
+                next_position.rotation = -next_position.rotation;
+            }
             let motion = RigidBodyPosition {
-                position: *body.position(),
-                next_position: *body.next_position(),
+                position,
+                next_position,
             }
             .interpolate_velocity((1.0 / dt) as f32, body.local_center_of_mass());
             (wide(motion.linvel), wide(motion.angvel))
         }
         // Rapier does not move what was told a velocity without being woken.
         Dynamic | KinematicVelocityBased if body.is_sleeping() => (DVec3::ZERO, DVec3::ZERO),
-        Dynamic | KinematicVelocityBased => (wide(body.linvel()), wide(body.angvel())),
+        KinematicVelocityBased => {
+            let spin = wide(body.angvel()).clamp_length_max(fastest_spin(body, dt));
+            (wide(body.linvel()), spin)
+        }
+        Dynamic => (wide(body.linvel()), wide(body.angvel())),
         _ => (DVec3::ZERO, DVec3::ZERO),
     }
 }

@@ -76,8 +76,8 @@ impl Attachment {
         Self::new(nodes, Hold::Pin)
     }
 
-    /// Holds every node where it is when it is attached, by a spring of `stiffness` N/m and zero rest length. It is stable
-    /// at any stiffness, and its energy counts as the deformable's.
+    /// Holds every node where it is when it is attached, by a spring of `stiffness` N/m and zero rest length, which must be
+    /// positive: a damper alone is no link. It is stable at any stiffness, and its energy counts as the deformable's.
     pub fn link(nodes: impl IntoIterator<Item = NodeId>, stiffness: Real) -> Self {
         let hold = Hold::Link {
             stiffness: stiffness.into(),

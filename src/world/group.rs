@@ -38,6 +38,8 @@ pub(super) struct Waiting {
     pub near: bool,
     /// Whether it holds a node that is deep in what never moves, and has to get it out.
     pub holds: bool,
+    /// Whether something leads the deformable that it touches.
+    pub led: bool,
 }
 
 /// A sortable key of a body.

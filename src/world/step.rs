@@ -260,11 +260,13 @@ impl DeformableWorld {
             pending,
             near,
             holds,
+            led,
         } in std::mem::take(&mut self.waiting)
         {
             ends.insert(touched.body.into_raw_parts(), (end.com, end.rot));
-            let sleeping = parts.bodies.get(touched.body);
-            let sleeping = sleeping.is_some_and(|b| b.is_sleeping());
+            let body = parts.bodies.get(touched.body);
+            let sleeping = body.is_some_and(|b| b.is_sleeping());
+            let arm = body.map_or(0.0, |b| f64::from(b.mass_properties().max_extent()));
             let memory = self
                 .memory
                 .entry(touched.body.into_raw_parts())
@@ -272,8 +274,9 @@ impl DeformableWorld {
             memory.seen = self.steps;
             memory.near = near;
             memory.feel(end.impulse, dt);
-            if holds {
-                // Asleep it would not be lifted, and the node stay where it is.
+            let moves_on = near && memory.moves_on(touched.at, arm, parts.length_unit());
+            // Asleep it would not be lifted, and the node that it holds stay where it is; or a deformable on its way be held up.
+            if holds || led || moves_on && !sleeping {
                 parts.islands.wake_up(parts.bodies, touched.body, true);
             }
             if pending.is_something()

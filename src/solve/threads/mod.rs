@@ -86,11 +86,15 @@ thread_local! {
 pub(crate) fn in_parts<R>(parts: usize, work: impl FnOnce() -> R) -> R {
     #[cfg(feature = "parallel")]
     {
-        // While a thread waits for others it may do the work of another body.
-        let before = PARTS.replace(parts);
-        let result = work();
-        PARTS.set(before);
-        result
+        struct Before(usize);
+        impl Drop for Before {
+            fn drop(&mut self) {
+                PARTS.set(self.0);
+            }
+        }
+        // While a thread waits for others it may do the work of another body; and a force field may panic.
+        let _before = Before(PARTS.replace(parts));
+        work()
     }
     #[cfg(not(feature = "parallel"))]
     {

@@ -235,6 +235,13 @@ mod tests {
     }
 
     #[test]
+    fn a_panic_leaves_the_number_of_parts_as_it_was() {
+        let panics = || super::super::in_parts(7, || panic!("on purpose"));
+        assert!(catch_unwind(panics).is_err());
+        assert_eq!(super::super::parts(), 1);
+    }
+
+    #[test]
     fn every_part_is_done_once() {
         for threads in [1, 2, 3, 8] {
             pool(threads).install(|| {

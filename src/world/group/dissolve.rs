@@ -43,6 +43,7 @@ impl DeformableWorld {
         let splits = group.splits(parts, dt);
         let near = group.near_bodies(NEAR * parts.length_unit());
         let holds = group.holders(parts.length_unit(), parts.bodies);
+        let led = group.is_led(&near, parts.bodies, dt);
         let told = near.into_iter().zip(holds).zip(splits);
         let touched = std::mem::take(&mut group.touched).into_iter();
         let each = touched.zip(group.shadows.iter().skip(1)).zip(told);
@@ -75,6 +76,7 @@ impl DeformableWorld {
                 pending,
                 near,
                 holds,
+                led: near && led,
             });
         }
     }

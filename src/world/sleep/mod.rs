@@ -83,9 +83,14 @@ impl Deformable {
         let damped = self.solver.external.drag > 0.0
             || self.blueprint.springs.iter().any(|s| s.damping > 0.0)
             || solid.is_some_and(|s| s.mass_damping > 0.0 || s.stiffness_damping > 0.0);
-        let mut pinned = self.state.particles.iter().filter(|p| p.inv_mass == 0.0);
-        let moved = !self.led.is_empty() || pinned.any(|p| p.v != [0.0; 3]);
+        let moved = !self.led.is_empty() || self.has_moving_pins();
         self.sleep.allowed && damped && self.field.is_none() && !moved
+    }
+
+    /// Whether a node on its way is pinned: led, or with a velocity of its own.
+    fn has_moving_pins(&self) -> bool {
+        let mut pinned = self.state.particles.iter().filter(|p| p.inv_mass == 0.0);
+        pinned.any(|p| p.v != [0.0; 3])
     }
 
     /// Stops it where it is. Its last motion is taken from it as external work.

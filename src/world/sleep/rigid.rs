@@ -1,6 +1,7 @@
 //! Which sleeping rigid bodies must wake: Rapier lets them sleep by their own motion, and knows nothing of what lies on them,
 //! carries them, or comes at them.
 
+use crate::coupling::observe::velocity;
 use crate::math::{DVec3, wide};
 use crate::world::group::Touched;
 use crate::world::reach::{self, Search};
@@ -24,6 +25,17 @@ impl Group {
             }
         }
         holds
+    }
+
+    /// Whether a kinematic body that it touches moves in a rigid step of `dt` s, or nodes are led: Rapier lets nothing sleep that touches a
+    /// kinematic body on its way, and what does so through a deformable is no less on its way.
+    pub(in crate::world) fn is_led(&self, near: &[bool], bodies: &RigidBodySet, dt: f64) -> bool {
+        let moves = |(t, near): (&Touched, &bool)| {
+            let kinematic = bodies.get(t.body).filter(|b| *near && b.is_kinematic());
+            kinematic.is_some_and(|b| velocity(b, dt) != Default::default())
+        };
+        self.touched.iter().zip(near).any(moves)
+            || near.contains(&true) && self.members.iter().any(|(_, b)| b.has_moving_pins())
     }
 }
 

@@ -12,6 +12,7 @@ mod hooks;
 mod kinematic;
 mod overlaps;
 mod queries;
+mod rides;
 mod rigid;
 mod settings;
 mod sleep;
