@@ -92,7 +92,7 @@ impl Flight {
     }
 }
 
-/// The fastest that Rapier turns a body in a step of `dt` s \[rad/s\].
+/// The fastest that Rapier turns a body in one of its steps, of `dt` s \[rad/s\].
 pub fn fastest_spin(body: &RigidBody, dt: f64) -> f64 {
     if body.is_fast_rotation_allowed() {
         f64::INFINITY

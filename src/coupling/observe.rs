@@ -9,7 +9,7 @@ use crate::math::{DMat3, DVec3, Vector, wide};
 use crate::solve::shadow::Shadow;
 use rapier3d::dynamics::{
     ImpulseJointSet, IntegrationParameters, MultibodyJointSet, RigidBody, RigidBodyHandle,
-    RigidBodyPosition, RigidBodySet,
+    RigidBodyPosition, RigidBodySet, RigidBodyType,
 };
 use rapier3d::geometry::{BroadPhaseBvh, ColliderSet, NarrowPhase};
 
@@ -117,7 +117,10 @@ pub fn shadow(
     let pose = body.position();
     let rot = wide_rotation(pose.rotation);
     let com = wide(pose.translation) + rot * wide(body.local_center_of_mass());
-    let (v, w) = velocity(body, dt);
+    let (v, mut w) = velocity(body, dt);
+    if body.body_type() == RigidBodyType::KinematicVelocityBased {
+        w = w.clamp_length_max(fastest_spin(body, dt));
+    }
     let mut shadow = Shadow {
         com,
         rot,
@@ -169,6 +172,10 @@ pub fn velocity(body: &RigidBody, dt: f64) -> (DVec3, DVec3) {
         // Its linvel is that of the last step; the target tells where it goes in this one.
         KinematicPositionBased => {
             let (position, mut next_position) = (*body.position(), *body.next_position());
+            if next_position == position {
+                // Where the body is turned the products below are not quite 0.
+                return Default::default();
+            }
             if next_position.rotation.dot(position.rotation) < 0.0 {
                 // The same orientation, but Rapier takes it for the long way round.
                 next_position.rotation = -next_position.rotation;
@@ -182,11 +189,7 @@ pub fn velocity(body: &RigidBody, dt: f64) -> (DVec3, DVec3) {
         }
         // Rapier does not move what was told a velocity without being woken.
         Dynamic | KinematicVelocityBased if body.is_sleeping() => (DVec3::ZERO, DVec3::ZERO),
-        KinematicVelocityBased => {
-            let spin = wide(body.angvel()).clamp_length_max(fastest_spin(body, dt));
-            (wide(body.linvel()), spin)
-        }
-        Dynamic => (wide(body.linvel()), wide(body.angvel())),
+        Dynamic | KinematicVelocityBased => (wide(body.linvel()), wide(body.angvel())),
         _ => (DVec3::ZERO, DVec3::ZERO),
     }
 }

@@ -38,7 +38,7 @@ pub(super) struct Waiting {
     pub near: bool,
     /// Whether it holds a node that is deep in what never moves, and has to get it out.
     pub holds: bool,
-    /// Whether something leads the deformable that it touches.
+    /// Whether it touches a deformable of a group that something leads, or that something moves with.
     pub led: bool,
 }
 

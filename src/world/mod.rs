@@ -254,8 +254,11 @@ impl DeformableWorld {
         let memory = self.memory.values().flat_map(|m| {
             let known = m.response.unwrap_or(Response::all(-1.0));
             let [along, about, load] = [known.along, known.about, m.load].map(|v| v.to_array());
-            let offset = [m.offset.0, m.offset.1].map(|v| v.to_array());
-            let rest = [m.asleep.to_bits()];
+            let offset = [m.offset.0, m.offset.1, m.stayed.0].map(|v| v.to_array());
+            let rest = [m.asleep]
+                .into_iter()
+                .chain(m.stayed.1.to_array())
+                .map(f64::to_bits);
             let vectors = along.into_iter().chain(about).chain(load);
             let vectors = vectors.chain(offset.into_iter().flatten());
             vectors.map(f64::to_bits).chain(rest)

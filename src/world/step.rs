@@ -264,9 +264,8 @@ impl DeformableWorld {
         } in std::mem::take(&mut self.waiting)
         {
             ends.insert(touched.body.into_raw_parts(), (end.com, end.rot));
-            let body = parts.bodies.get(touched.body);
-            let sleeping = body.is_some_and(|b| b.is_sleeping());
-            let arm = body.map_or(0.0, |b| f64::from(b.mass_properties().max_extent()));
+            let sleeping = parts.bodies.get(touched.body);
+            let sleeping = sleeping.is_some_and(|b| b.is_sleeping());
             let memory = self
                 .memory
                 .entry(touched.body.into_raw_parts())
@@ -274,9 +273,8 @@ impl DeformableWorld {
             memory.seen = self.steps;
             memory.near = near;
             memory.feel(end.impulse, dt);
-            let moves_on = near && memory.moves_on(touched.at, arm, parts.length_unit());
             // Asleep it would not be lifted, and the node that it holds stay where it is; or a deformable on its way be held up.
-            if holds || led || moves_on && !sleeping {
+            if holds || led {
                 parts.islands.wake_up(parts.bodies, touched.body, true);
             }
             if pending.is_something()

@@ -41,9 +41,13 @@ impl DeformableWorld {
         let mut impulses = group.shadows.iter().flat_map(|s| [s.impulse, s.torque]);
         let finite = impulses.all(DVec3::is_finite);
         let splits = group.splits(parts, dt);
-        let near = group.near_bodies(NEAR * parts.length_unit());
+        let mut near = group.near_bodies(NEAR * parts.length_unit());
+        // Faces and edges touch between nodes.
+        for (near, shadow) in near.iter_mut().zip(group.shadows.iter().skip(1)) {
+            *near |= shadow.impulse != DVec3::ZERO;
+        }
         let holds = group.holders(parts.length_unit(), parts.bodies);
-        let led = group.is_led(&near, parts.bodies, dt);
+        let led = self.has_movers(group, &near, parts) || group.is_led(&near, parts.bodies, dt);
         let told = near.into_iter().zip(holds).zip(splits);
         let touched = std::mem::take(&mut group.touched).into_iter();
         let each = touched.zip(group.shadows.iter().skip(1)).zip(told);

@@ -87,7 +87,7 @@ impl Deformable {
         self.sleep.allowed && damped && self.field.is_none() && !moved
     }
 
-    /// Whether a node on its way is pinned: led, or with a velocity of its own.
+    /// Whether a pinned node is on its way: led, or with a velocity of its own.
     fn has_moving_pins(&self) -> bool {
         let mut pinned = self.state.particles.iter().filter(|p| p.inv_mass == 0.0);
         pinned.any(|p| p.v != [0.0; 3])

@@ -32,14 +32,44 @@ impl Group {
     pub(in crate::world) fn is_led(&self, near: &[bool], bodies: &RigidBodySet, dt: f64) -> bool {
         let moves = |(t, near): (&Touched, &bool)| {
             let kinematic = bodies.get(t.body).filter(|b| *near && b.is_kinematic());
-            kinematic.is_some_and(|b| velocity(b, dt) != Default::default())
+            kinematic.is_some_and(|b| {
+                let (v, w) = velocity(b, dt);
+                v.length_squared() + w.length_squared() > 0.0
+            })
         };
         self.touched.iter().zip(near).any(moves)
-            || near.contains(&true) && self.members.iter().any(|(_, b)| b.has_moving_pins())
+            || self.members.iter().any(|(_, body)| body.has_moving_pins())
     }
 }
 
 impl DeformableWorld {
+    /// Whether one of the bodies that a group touches is on its way: awake, and not where it stayed. Like an island of Rapier's, what
+    /// hangs together by deformables sleeps as a whole.
+    pub(in crate::world) fn has_movers(
+        &mut self,
+        group: &Group,
+        near: &[bool],
+        parts: &RapierParts,
+    ) -> bool {
+        let unit = parts.length_unit();
+        let mut any = false;
+        for (touched, _) in group.touched.iter().zip(near).filter(|(_, near)| **near) {
+            let key = touched.body.into_raw_parts();
+            let (Some(body), Some(memory)) =
+                (parts.bodies.get(touched.body), self.memory.get_mut(&key))
+            else {
+                continue;
+            };
+            if body.is_dynamic() && !body.is_sleeping() {
+                let extent = f64::from(body.mass_properties().max_extent());
+                // What has no colliders has no extent.
+                let arm = if extent > 0.0 { extent } else { unit };
+                any |= memory.moves_on(touched.at, arm, unit);
+            }
+        }
+        any
+    }
+
     /// Wakes bodies that a deformable is about to hit, at twice the speed below which Rapier lets bodies sleep, and those that
     /// its pinned nodes take along.
     pub(in crate::world) fn wake_sleepers_in_the_way(&mut self, parts: &mut RapierParts, dt: f64) {

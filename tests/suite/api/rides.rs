@@ -2,7 +2,7 @@
 //! in the way like a wall.
 
 use crate::support::close;
-use crumple::math::DVec3;
+use crumple::math::{DVec3, narrow};
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
 
@@ -155,8 +155,10 @@ fn a_load_on_a_rope_that_is_hauled_in_does_not_sleep() {
     let rope = rope.unwrap();
     let body = RigidBodyBuilder::dynamic().translation(-1.1 * Vector::Y);
     let (load, _) = world.insert(body, ColliderBuilder::cuboid(0.1, 0.1, 0.1).mass(10.0));
-    set.attach(rope, &[NodeId(10)], load, &world.bodies)
+    let eye = set
+        .attach(rope, &[NodeId(10)], load, &world.bodies)
         .unwrap();
+    let mut pull = 0.0;
     for i in 0..480 {
         let top = Vector::Y * (0.03 / 60.0) * (i as f32 + 1.0 - 120.0).max(0.0);
         assert!(set[rope].set_kinematic_target(NodeId(0), top));
@@ -164,7 +166,100 @@ fn a_load_on_a_rope_that_is_hauled_in_does_not_sleep() {
         if i >= 120 {
             assert!(!world.bodies[load].is_sleeping(), "in step {i}");
         }
+        if i >= 240 {
+            pull += set.attachment_force(eye).unwrap().0.y / 240.0;
+        }
     }
+    close("pull", pull, 98.1, 0.01);
     let rose = world.bodies[load].translation().y + 1.1;
     assert!((rose - 0.18).abs() < 0.01, "{rose} m");
+}
+
+/// Nothing leads what sinks into a viscous block, and it sinks at less than what Rapier takes for motion.
+#[test]
+fn what_sinks_slowly_sinks_on() {
+    let depth = |sleeps: bool| {
+        let mut world = PhysicsWorld::default();
+        world.insert(
+            RigidBodyBuilder::fixed(),
+            ColliderBuilder::cuboid(2.0, 0.1, 2.0).translation(Vector::Y * -0.1),
+        );
+        let mut set = DeformableWorld::new();
+        let dough = Material::elastic(2e4, 300.0).viscosity(4e4);
+        let block = DeformableBuilder::new(lattice(Vector::splat(0.4), 0.1)).material(dough);
+        set.insert(block.translation(Vector::Y * 0.2)).unwrap();
+        let body = RigidBodyBuilder::dynamic()
+            .translation(Vector::Y * 0.45)
+            .can_sleep(sleeps);
+        let shape = ColliderBuilder::cuboid(0.2, 0.05, 0.2).mass(20.0);
+        let (load, _) = world.insert(body, shape);
+        for _ in 0..900 {
+            set.step(&mut world);
+        }
+        0.45 - world.bodies[load].translation().y
+    };
+    let (slept, never) = (depth(true), depth(false));
+    assert!(never > 0.01 && slept > 0.8 * never, "{slept} and {never} m");
+}
+
+/// The lift moves a rigid crate, that the block, and that the load: what touches the block is all dynamic.
+#[test]
+fn a_load_wakes_with_the_crate_below_its_block() {
+    for direction in [Vector::X, Vector::Y] {
+        let mut ride = Ride::new(RigidBodyBuilder::kinematic_position_based(), 0.3);
+        let crate_ = RigidBodyBuilder::dynamic().translation(Vector::Y * -0.2);
+        let shape = ColliderBuilder::cuboid(0.4, 0.1, 0.4)
+            .mass(20.0)
+            .friction(0.3);
+        ride.world.insert(crate_, shape);
+        ride.world.bodies[ride.platform].set_translation(Vector::Y * -0.3, true);
+        ride.go(500, Vector::ZERO);
+        assert!(ride.load().is_sleeping());
+        let before = ride.load().translation();
+        ride.go(240, 0.02 * direction);
+        let went = (ride.load().translation() - before).dot(direction);
+        assert!((went - 0.08).abs() < 6e-3, "{went} m along {direction}");
+    }
+}
+
+/// A lift at rest leads nothing, though its velocity is computed from a turned pose.
+#[test]
+fn a_load_on_a_tilted_lift_at_rest_falls_asleep() {
+    let tilted = Rotation::from_rotation_z(0.1) * Rotation::from_rotation_x(0.05);
+    let lift = RigidBodyBuilder::kinematic_position_based().rotation(tilted.to_scaled_axis());
+    let mut ride = Ride::new(lift, 0.8);
+    ride.go(300, Vector::ZERO);
+    assert!(ride.go(300, Vector::ZERO) > 250);
+}
+
+/// A ball between the nodes of a sheet whose edges are led upward: faces carry it.
+#[test]
+fn a_ball_between_nodes_does_not_sleep_on_a_sheet_on_its_way() {
+    let mut world = PhysicsWorld::default();
+    let mut set = DeformableWorld::new();
+    let net = sheet(1.0, 1.0, 6, 6, 2e-3).unwrap();
+    let material = Material::elastic(2e6, 1000.0).viscosity(2e4);
+    let sheet = DeformableBuilder::new(net)
+        .material(material)
+        .thickness(4e-3);
+    let sheet = set
+        .insert(sheet.pin(|x| x.abs().max_element() > 0.49))
+        .unwrap();
+    let body = RigidBodyBuilder::dynamic().translation(Vector::Y * 0.05);
+    let (ball, _) = world.insert(body, ColliderBuilder::ball(0.04).mass(0.3));
+    let nodes = (0..set[sheet].node_count() as u32).map(NodeId);
+    let pins: Vec<(NodeId, Vector)> = nodes
+        .map(|n| (n, narrow(set[sheet].position(n).unwrap())))
+        .filter(|(_, x)| x.abs().max_element() > 0.49)
+        .collect();
+    for i in 0..600 {
+        let way = Vector::Y * (0.02 / 60.0) * (i as f32 - 239.0).max(0.0);
+        for (node, x) in &pins {
+            assert!(set[sheet].set_kinematic_target(*node, *x + way));
+        }
+        set.step(&mut world);
+        assert!(i < 245 || !world.bodies[ball].is_sleeping(), "in step {i}");
+    }
+    let (rose, height) = (0.02 * 6.0, world.bodies[ball].translation().y);
+    assert!(height > rose - 0.1 && height < rose + 0.1, "{height} m");
 }
