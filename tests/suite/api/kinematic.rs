@@ -122,7 +122,7 @@ fn a_rotor_is_as_fast_as_rapier_turns_it() {
             "{work} J of {energy} J at {spin} rad/s"
         );
         let speed = set[arm].linvel_of(NodeId(1)).unwrap().length();
-        close("speed", speed.into(), (1.1 * most).into(), 0.02);
+        close("speed", speed, (1.1 * most).into(), 0.02);
     }
 }
 
