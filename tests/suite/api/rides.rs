@@ -186,7 +186,7 @@ fn what_sinks_slowly_sinks_on() {
         );
         let mut set = DeformableWorld::new();
         let dough = Material::elastic(2e4, 300.0).viscosity(4e4);
-        let block = DeformableBuilder::new(lattice(Vector::splat(0.4), 0.1)).material(dough);
+        let block = DeformableBuilder::new(lattice(Vector::splat(0.4), 0.2)).material(dough);
         set.insert(block.translation(Vector::Y * 0.2)).unwrap();
         let body = RigidBodyBuilder::dynamic()
             .translation(Vector::Y * 0.45)
