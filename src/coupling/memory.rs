@@ -77,8 +77,9 @@ const REUNION: f64 = 10.0;
 /// How far off it can be, in length units and as an angle \[rad\].
 const APART: (f64, f64) = (5e-4, 5e-3);
 
-/// How far from where it stays a body that touches a deformable may be and fall asleep, in length units. Rapier lets sleep what has been
-/// slower than 0.1 m/s for half a second, and holds it then like a fixed one: in that time it may have been pushed by 5 cm.
+/// How far from where it stays a body that touches a deformable may be and fall asleep, in length units. Rapier lets sleep what has
+/// been slower than 0.1 m/s for half a second (by default), and holds it then like a fixed one: in that time it may have been pushed
+/// by 5 cm.
 const STAYS: f64 = 1e-3;
 
 /// Averaging time of the load \[s\].

@@ -27,8 +27,8 @@ impl Group {
         holds
     }
 
-    /// Whether a kinematic body that it touches moves in a rigid step of `dt` s, or nodes are led: Rapier lets nothing sleep that touches a
-    /// kinematic body on its way, and what does so through a deformable is no less on its way.
+    /// Whether a kinematic body that it touches moves in a rigid step of `dt` s, or nodes are led: Rapier lets nothing sleep that
+    /// touches a kinematic body on its way, and what does so through a deformable is no less on its way.
     pub(in crate::world) fn is_led(&self, near: &[bool], bodies: &RigidBodySet, dt: f64) -> bool {
         let moves = |(t, near): (&Touched, &bool)| {
             let kinematic = bodies.get(t.body).filter(|b| *near && b.is_kinematic());

@@ -97,8 +97,8 @@ fn on_an_arm(
     arm
 }
 
-/// Symptom: at 60 rad/s and 60 steps a second a mass on the rotor had 182 m/s instead of 52. Cause: Rapier turns it by no more than an
-/// eighth of a turn in a step, its shadow went all the way, and its nodes were put back.
+/// Symptom: at 60 rad/s and 60 steps a second a mass on the rotor had 182 m/s instead of 52. Cause: Rapier turns it by no more than
+/// an eighth of a turn in a step, its shadow went all the way, and its nodes were put back.
 #[test]
 fn a_rotor_is_as_fast_as_rapier_turns_it() {
     for (spin, allowed) in [(60.0, false), (40.0, false), (60.0, true)] {

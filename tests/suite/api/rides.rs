@@ -1,5 +1,5 @@
-//! What rides on deformables on their way must not fall asleep, as nothing does that Rapier's own platforms carry: asleep it would stand
-//! in the way like a wall.
+//! What rides on deformables on their way must not fall asleep, as nothing does that Rapier's own platforms carry: asleep it would
+//! stand in the way like a wall.
 
 use crate::support::close;
 use crumple::math::{DVec3, narrow};
@@ -139,8 +139,8 @@ fn a_sleeping_load_wakes_as_its_lift_sets_out() {
     }
 }
 
-/// Symptom: the rope of a load that is lifted at 3 cm/s bore 2 to 628 N instead of 98. Nothing kinematic moves here that touches the rope, but the
-/// rope's own upper end.
+/// Symptom: the rope of a load that is lifted at 3 cm/s bore 2 to 628 N instead of 98. Nothing kinematic moves here that touches the
+/// rope, but the rope's own upper end.
 #[test]
 fn a_load_on_a_rope_that_is_hauled_in_does_not_sleep() {
     let mut world = PhysicsWorld::default();
