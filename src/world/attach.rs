@@ -166,7 +166,8 @@ impl DeformableWorld {
 
     /// Mean force \[N\] that an attachment exerted on its target in the last rigid step, and its torque about the rigid
     /// body's centre of mass, or about the world's origin \[N·m\]. (A [`contact_force`](Self::contact_force) is the other way
-    /// round, on the deformable, and the mean over all rigid steps of the world's.) [`AttachmentState::moment`] is about the pivot. What pinned
+    /// round, on the deformable, and the mean over all rigid steps of the world's.) [`AttachmentState::moment`] is about the
+    /// pivot. What pinned
     /// nodes bear of a body goes on being told while that sleeps; of one that slept when it was attached, or of one that is
     /// fixed or kinematic, they bear nothing.
     pub fn attachment_force(&self, handle: AttachmentHandle) -> Option<(DVec3, DVec3)> {
