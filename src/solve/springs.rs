@@ -6,6 +6,7 @@ use crate::law::plastic::{self, Yield};
 use crate::math::{Real, Scalar};
 use crate::solve::forces::LimitEvent;
 use crate::solve::kernel::{Sell, of_f32_mut};
+use std::sync::OnceLock;
 
 /// The elastic and viscous part of a spring.
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +38,8 @@ pub(crate) struct SpringTable<S> {
     pub damped: bool,
     /// The nodes between two springs, with either of them. What has broken counts, as before it did.
     pub chain_nodes: Vec<ChainNode>,
+    /// See [`Self::relaxation`].
+    relaxation: OnceLock<(f64, Option<u32>)>,
     pub rows: Rows,
 }
 
@@ -80,6 +83,7 @@ impl<S: Scalar> SpringTable<S> {
             },
             damped: springs.iter().any(|s| s.damping > 0.0),
             chain_nodes: chain_nodes(springs, state.particles.len()),
+            relaxation: OnceLock::new(),
             rows: Rows::Later,
         };
         for (spring, _) in state.broken.iter().enumerate().filter(|(_, b)| **b) {
@@ -88,8 +92,23 @@ impl<S: Scalar> SpringTable<S> {
         table
     }
 
+    /// The least c/k of any spring \[s\], and of which. It is asked for in every step, and looked for once.
+    pub fn relaxation(&self) -> (f64, Option<u32>) {
+        *self.relaxation.get_or_init(|| {
+            let mut least = (f64::INFINITY, None);
+            for (i, link) in (0..).zip(&self.links) {
+                let (k, c) = (link.stiffness.f64(), link.damping.f64());
+                if k > 0.0 && c / k < least.0 {
+                    least = (c / k, Some(i));
+                }
+            }
+            least
+        })
+    }
+
     /// Takes all force from a spring.
     fn cut(&mut self, spring: usize) {
+        self.relaxation.take();
         self.links[spring].stiffness = S::ZERO;
         self.links[spring].damping = S::ZERO;
         if let Some(limit) = self.limits.get_mut(spring) {

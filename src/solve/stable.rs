@@ -73,7 +73,7 @@ impl<S: Scalar> Solver<S> {
     pub fn stable_step(&self, state: &State<S>, integrator: Integrator) -> StableStep {
         let (mut step, worst, _) = self.longest_step(state, integrator, &self.rates(state));
         if step.never {
-            let (least, spring) = self.relaxation();
+            let (least, spring) = self.table.relaxation();
             step.spring = spring.filter(|_| least <= 0.0);
             step.element = step.element.filter(|_| step.spring.is_none());
         } else if step.element.is_none() {
@@ -140,34 +140,21 @@ impl<S: Scalar> Solver<S> {
         }
     }
 
-    /// The least c/k of any spring \[s\], and of which.
-    fn relaxation(&self) -> (f64, Option<u32>) {
-        let mut least = (f64::INFINITY, None);
-        for (i, link) in self.table.links.iter().enumerate() {
-            let (k, c) = (link.stiffness.f64(), link.damping.f64());
-            if k > 0.0 && c / k < least.0 {
-                least = (c / k, Some(i as u32));
-            }
-        }
-        least
-    }
-
     /// The least share of its energy that a mode of frequency `omega` [1/s] loses by damping \[1/s\].
     pub(crate) fn least_decay(&self, state: &State<S>, omega: f64) -> f64 {
         let square = omega * omega;
-        let (of_springs, _) = self.relaxation();
+        let (of_springs, _) = self.table.relaxation();
         let mut decay = of_springs * square;
         if let Some(solid) = self.part.as_ref().map(|p| p.model.solid()) {
             decay = decay.min(solid.mass_damping + solid.stiffness_damping * square);
         }
-        let masses = state.particles.iter().map(|p| p.inv_mass.f64());
-        let of_heaviest = masses.filter(|w| *w > 0.0).fold(f64::INFINITY, f64::min);
         let drag = self.external.drag.f64();
         if drag > 0.0 {
-            decay + drag * of_heaviest
-        } else {
-            decay
+            let masses = state.particles.iter().map(|p| p.inv_mass.f64());
+            let of_heaviest = masses.filter(|w| *w > 0.0).fold(f64::INFINITY, f64::min);
+            decay += drag * of_heaviest;
         }
+        decay
     }
 
     /// The rates of nodes, one spring after the other.
@@ -247,7 +234,7 @@ impl<S: Scalar> Solver<S> {
         let drag = self.external.drag.f64();
         let mut relaxation = f64::INFINITY;
         if integrator.needs_relaxation() {
-            relaxation = self.relaxation().0;
+            relaxation = self.table.relaxation().0;
             if let Some(solid) = part.map(|p| p.model.solid()) {
                 // The least c/k of any mode, α/λ + β.
                 let least = solid.mass_damping / elastic.largest + solid.stiffness_damping;
