@@ -4,7 +4,7 @@ use super::limits::{Book, Limited, Outcome};
 use super::mirror::Copied;
 use super::sell::Sell;
 use super::table::{End, Free, Rule, Table};
-use super::trial::{Nodes, Trial};
+use super::trial::{Nodes, Reach};
 use super::vector::{LANES, Pass, Runs, Vector, Width, Writer, put_four, run};
 use super::{Kernel, SLICES};
 use crate::body::state::State;
@@ -296,26 +296,60 @@ fn add_free_springs<V: Vector, const DAMPED: bool>(
 #[inline(always)]
 pub(super) fn add_springs<V: Vector, E: End<V>, R: Rule<V>, const DAMPED: bool>(
     table: &Table,
-    slots: impl Iterator<Item = (R::Slot, E, usize)>,
+    mut slots: impl Iterator<Item = (R::Slot, E, usize)>,
     part: usize,
-    mut nodes: Nodes<V>,
+    nodes: Nodes<V>,
     rule: &R,
 ) -> (Nodes<V>, bool) {
-    let mut within = V::EVERYWHERE;
-    for (slot, far, which) in slots {
-        let rest = rule.rest(slot, (which, part));
-        let stiffness = table.stiffness(which, part);
-        let mut trial = Trial::new(nodes.at, &far, part, rest);
-        if R::ASKS_ALL {
-            trial = trial.without_strays::<E>(stiffness);
+    let mut sums = Sums {
+        nodes,
+        within: V::EVERYWHERE,
+    };
+    // By twos, so that the second is taken up while the roots of the first are awaited.
+    while let Some(a) = slots.next() {
+        let Some(b) = slots.next() else {
+            sums.add::<E, R, 1, DAMPED>(table, [a], part, rule);
+            break;
+        };
+        sums.add::<E, R, 2, DAMPED>(table, [a, b], part, rule);
+    }
+    (sums.nodes, !R::LIMITED || V::is_everywhere(sums.within))
+}
+
+/// What the springs of a part of a slice sum to, and where none can have reached a limit.
+struct Sums<V: Vector> {
+    nodes: Nodes<V>,
+    within: V::Mask,
+}
+
+impl<V: Vector> Sums<V> {
+    /// Adds some slots at once.
+    #[inline(always)]
+    fn add<E: End<V>, R: Rule<V>, const N: usize, const DAMPED: bool>(
+        &mut self,
+        table: &Table,
+        slots: [(R::Slot, E, usize); N],
+        part: usize,
+        rule: &R,
+    ) {
+        let mut reaches = [Reach::NONE; N];
+        for (reach, (_, far, _)) in reaches.iter_mut().zip(&slots) {
+            *reach = Reach::new(self.nodes.at, far, part);
         }
-        let tension = spring::tension(stiffness, trial.elongation);
-        within = rule.keep(within, trial.elongation, rest, slot, (which, part));
-        nodes.pull(&trial, tension);
-        if DAMPED {
-            let rate = nodes.rate(&trial, &far, part);
-            nodes.damp(&trial, rate, table.damping(which, part));
+        for (reach, (slot, far, which)) in reaches.iter().zip(&slots) {
+            let rest = rule.rest(*slot, (*which, part));
+            let stiffness = table.stiffness(*which, part);
+            let mut trial = reach.trial(rest);
+            if R::ASKS_ALL {
+                trial = trial.without_strays::<E>(stiffness);
+            }
+            let tension = spring::tension(stiffness, trial.elongation);
+            self.within = rule.keep(self.within, trial.elongation, rest, *slot, (*which, part));
+            self.nodes.pull(&trial, tension);
+            if DAMPED {
+                let rate = self.nodes.rate(&trial, far, part);
+                self.nodes.damp(&trial, rate, table.damping(*which, part));
+            }
         }
     }
-    (nodes, !R::LIMITED || V::is_everywhere(within))
 }

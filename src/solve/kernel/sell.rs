@@ -28,8 +28,8 @@ use crate::body::state::State;
 use crate::solve::springs::{Limit, Link};
 use std::collections::HashMap;
 
-/// The least l² that counts \[m²\].
-pub const LEAST_SQUARE: f32 = 1e-30;
+/// The least l² that counts \[m²\]: 2⁻⁹⁸, whose square root is exact.
+pub const LEAST_SQUARE: f32 = 3.155_443_6e-30;
 
 /// The length of a spring from a node to itself, as the pass finds it: \[m\].
 pub fn least_length() -> f32 {

@@ -35,17 +35,47 @@ fn difference<V: Vector>([x, y, z]: [V; 3], b: [V; 3]) -> [V; 3] {
     [x - b[0], y - b[1], z - b[2]]
 }
 
+/// How far springs reach: what there is to know before a root is taken.
+#[derive(Clone, Copy)]
+pub struct Reach<V> {
+    /// From the row's node to the other \[m\].
+    reach: [V; 3],
+    /// Its square, and no less than what counts \[m²\].
+    square: V,
+}
+
+impl<V: Vector> Reach<V> {
+    pub const NONE: Self = Self {
+        reach: [V::ZERO; 3],
+        square: V::ZERO,
+    };
+
+    #[inline(always)]
+    pub fn new(at: [V; 3], far: &impl End<V>, part: usize) -> Self {
+        let reach = difference(far.place(part), at);
+        Self {
+            reach,
+            square: dot(reach, reach).max(V::of(LEAST_SQUARE.into())),
+        }
+    }
+
+    /// The springs of these rest lengths.
+    #[inline(always)]
+    pub fn trial(&self, rest: V) -> Trial<V> {
+        let [length, inverse] = self.square.root();
+        Trial {
+            reach: self.reach,
+            length,
+            inverse,
+            elongation: length - rest,
+        }
+    }
+}
+
 impl<V: Vector> Trial<V> {
     #[inline(always)]
     pub fn new(at: [V; 3], far: &impl End<V>, part: usize, rest: V) -> Self {
-        let d = difference(far.place(part), at);
-        let length = dot(d, d).max(V::of(LEAST_SQUARE.into())).sqrt();
-        Self {
-            reach: d,
-            length,
-            inverse: V::ONE / length,
-            elongation: length - rest,
-        }
+        Reach::new(at, far, part).trial(rest)
     }
 
     /// From the row's node to the other.

@@ -4,8 +4,8 @@
 //! parameter only once the processor has said that it has AVX2 and FMA, or AVX-512 F and DQ; see there.
 
 macro_rules! operator {
-    ($t:ty, $trait:ident, $name:ident, $intrinsic:ident) => {
-        impl $trait for $t {
+    ([$($kind:tt)*] $t:ty, $trait:ident, $name:ident, $intrinsic:ident) => {
+        impl<$($kind)*> $trait for $t {
             type Output = Self;
             #[inline(always)]
             fn $name(self, other: Self) -> Self {
@@ -16,22 +16,22 @@ macro_rules! operator {
     };
 }
 
-/// Everything whose text does not depend on the width.
+/// Everything whose text does not depend on the width; in brackets what the type is generic over.
 macro_rules! vector {
-    ($t:ident, $lanes:expr, $raw:ty, $set:ident, $sqrt:ident, $xor:ident,
+    ([$($kind:tt)*] $t:ty, $lanes:expr, $raw:ty, $set:ident, $sqrt:ident, $xor:ident,
      [$add:ident, $sub:ident, $mul:ident, $div:ident, $max:ident, $min:ident]) => {
-        operator!($t, Add, add, $add);
-        operator!($t, Sub, sub, $sub);
-        operator!($t, Mul, mul, $mul);
-        operator!($t, Div, div, $div);
+        operator!([$($kind)*] $t, Add, add, $add);
+        operator!([$($kind)*] $t, Sub, sub, $sub);
+        operator!([$($kind)*] $t, Mul, mul, $mul);
+        operator!([$($kind)*] $t, Div, div, $div);
 
-        impl Default for $t {
+        impl<$($kind)*> Default for $t {
             fn default() -> Self {
                 Self::ZERO
             }
         }
 
-        impl Neg for $t {
+        impl<$($kind)*> Neg for $t {
             type Output = Self;
             #[inline(always)]
             fn neg(self) -> Self {
@@ -40,21 +40,21 @@ macro_rules! vector {
             }
         }
 
-        impl AddAssign for $t {
+        impl<$($kind)*> AddAssign for $t {
             #[inline(always)]
             fn add_assign(&mut self, other: Self) {
                 *self = *self + other;
             }
         }
 
-        impl SubAssign for $t {
+        impl<$($kind)*> SubAssign for $t {
             #[inline(always)]
             fn sub_assign(&mut self, other: Self) {
                 *self = *self - other;
             }
         }
 
-        impl $t {
+        impl<$($kind)*> $t {
             #[inline(always)]
             fn lanes(self) -> [f32; $lanes] {
                 // SAFETY: both are so many numbers without padding, and every pattern is a number.
@@ -68,7 +68,7 @@ macro_rules! vector {
             }
         }
 
-        impl Number for $t {
+        impl<$($kind)*> Number for $t {
             const ZERO: Self = Self::from_lanes([0.0; $lanes]);
             const ONE: Self = Self::from_lanes([1.0; $lanes]);
             const COARSE: f64 = <f32 as Number>::COARSE;
@@ -125,4 +125,4 @@ mod eight;
 mod sixteen;
 
 pub use eight::run256;
-pub use sixteen::run512;
+pub use sixteen::{run512, run512_without_divider};

@@ -23,7 +23,7 @@ fn aside256<A: Aside<F8>>(aside: A) -> A::Output {
 pub struct F8(__m256);
 
 vector!(
-    F8,
+    [] F8,
     8,
     __m256,
     _mm256_set1_ps,
