@@ -80,22 +80,26 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
         None if Path::new(name).is_dir() => Err(Failure::Wrong(format!(
             "{name} is a folder: `crumple test {name}` runs all scene files in it, `run` one of them"
         ))),
-        None => Err(unknown(name).into()),
+        None => Err(unknown(name)),
     }
 }
 
-/// The nearest of all names, those of files included.
-fn unknown(name: &str) -> UnknownScene {
-    match scenario::find(name) {
-        Err(unknown) if unknown.suggestion.is_none() => UnknownScene {
-            suggestion: scenario::file::nearest_embedded(name),
-            ..unknown
-        },
-        Err(unknown) => unknown,
-        Ok(_) => UnknownScene {
+/// What to say of a name that no scene has: the nearest one, those of files included.
+fn unknown(name: &str) -> Failure {
+    let suggestion = scenario::find(name).err().and_then(|e| e.suggestion);
+    match suggestion.or_else(|| scenario::file::nearest_embedded(name)) {
+        None => {
+            let built_in = scenario::all().iter().map(|s| s.name);
+            let files = scenario::file::embedded_names();
+            let files = files.filter(|f| scenario::find(f).is_err());
+            let names: Vec<&str> = built_in.chain(files).collect();
+            let names = names.join(", ");
+            Failure::Wrong(format!("there is no scene `{name}`; there are: {names}"))
+        }
+        suggestion => Failure::Unknown(UnknownScene {
             name: name.into(),
-            suggestion: None,
-        },
+            suggestion,
+        }),
     }
 }
 

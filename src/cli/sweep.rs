@@ -29,7 +29,7 @@ pub struct SweepArguments {
     count: bool,
     /// How many run at once; as many as there are cores by default.
     #[arg(long, value_name = "N")]
-    jobs: Option<usize>,
+    jobs: Option<NonZero<usize>>,
     /// Another seed.
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
@@ -108,7 +108,7 @@ pub fn sweep(arguments: &SweepArguments) -> Result<(), Failure> {
         load: &load,
         options: scene.options(),
         axes,
-        jobs: arguments.jobs.unwrap_or(cores),
+        jobs: arguments.jobs.map_or(cores, NonZero::get),
         only: arguments.only.clone(),
     };
     let out = arguments.out.clone();

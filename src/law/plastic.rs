@@ -35,10 +35,13 @@ pub struct Mapped<S> {
     pub flow: S,
 }
 
-/// Brings the trial tension `k·e` of a spring that has flowed by `accumulated` ≥ 0 \[m\] back to its yield surface.
+/// Brings the trial tension `k·e` of a spring of this rest length \[m\] that has flowed by `accumulated` ≥ 0 \[m\] back to its yield
+/// surface. It flows by as much as the rest length has digits for, and stays beyond the surface by what is left: a spring that is
+/// drawn slowly in short substeps would harden by flows that never came to lengthen it.
 #[inline(always)]
 pub fn return_map<S: Number>(
     stiffness: S,
+    rest: S,
     elongation: S,
     accumulated: S,
     law: &Yield<S>,
@@ -47,7 +50,7 @@ pub fn return_map<S: Number>(
     let grown = law.hardening * accumulated;
     let over = (trial - (law.tension + grown)).max(S::ZERO);
     let under = (-trial - (law.compression + grown)).max(S::ZERO);
-    let flow = (over - under) * law.inverse;
+    let flow = (rest + (over - under) * law.inverse) - rest;
     Mapped {
         tension: trial - stiffness * flow,
         flow,
@@ -80,7 +83,7 @@ mod tests {
     fn the_mapped_tension_lies_on_the_hardened_surface() {
         let (k, h, alpha) = (5000.0, 400.0, 0.01);
         for (e, sign, yield_force) in [(0.5, 1.0, 100.0), (-0.5, -1.0, 60.0)] {
-            let m = return_map(k, e, alpha, &law(k, h));
+            let m = return_map(k, 0.0, e, alpha, &law(k, h));
             let surface = yield_force + h * (alpha + m.flow.abs());
             assert!((m.tension - sign * surface).abs() < 1e-9);
             assert!((m.tension - k * (e - m.flow)).abs() < 1e-9);
@@ -89,15 +92,39 @@ mod tests {
 
     #[test]
     fn inside_the_surface_nothing_flows() {
-        let m = return_map(5000.0, 0.019, 0.0, &law(5000.0, 0.0));
+        let m = return_map(5000.0, 1.0, 0.019, 0.0, &law(5000.0, 0.0));
         assert_eq!(m.flow, 0.0);
         assert_eq!(m.tension, 95.0);
+    }
+
+    /// What a spring flows is what its rest length gains, however short the steps: in `f32`, drawn by a hundredth of the last digit
+    /// of its length each.
+    #[test]
+    fn slow_flow_hardens_by_what_it_lengthens() {
+        let law = Yield {
+            tension: 100.0_f32,
+            compression: 100.0,
+            hardening: 1e3,
+            inverse: 1.0 / 1.1e4,
+        };
+        let (mut rest, mut flowed) = (1.0_f32, 0.0_f32);
+        let steps = 10_000_000;
+        for i in 0..=steps {
+            let length = (1.0 + 0.02 * f64::from(i) / f64::from(steps)) as f32;
+            let mapped = return_map(1e4, rest, length - rest, flowed, &law);
+            rest += mapped.flow;
+            flowed += mapped.flow;
+        }
+        assert_eq!(flowed, rest - 1.0);
+        // k·e = σ + H·p with e + p = 0.02 m.
+        let exact = (1e4 * 0.02 - 100.0) / 1.1e4;
+        assert!((f64::from(flowed) - exact).abs() < 1e-5 * exact, "{flowed}");
     }
 
     #[test]
     fn the_tangent_is_the_elastoplastic_modulus() {
         let (k, h, d) = (5000.0, 400.0, 1e-6);
-        let at = |e| return_map(k, e, 0.0, &law(k, h)).tension;
+        let at = |e| return_map(k, 0.0, e, 0.0, &law(k, h)).tension;
         let slope = (at(0.05 + d) - at(0.05 - d)) / (2.0 * d);
         assert!((slope - k * h / (k + h)).abs() < 1e-4);
     }
@@ -110,7 +137,10 @@ mod tests {
             hardening: 0.0,
             inverse: 0.0,
         };
-        assert_eq!(return_map(1000.0_f32, 2.0, 0.0, &never).tension, 2000.0);
-        assert_eq!(return_map(0.0_f32, 2.0, 0.3, &never).tension, 0.0);
+        assert_eq!(
+            return_map(1000.0_f32, 1.0, 2.0, 0.0, &never).tension,
+            2000.0
+        );
+        assert_eq!(return_map(0.0_f32, 1.0, 2.0, 0.3, &never).tension, 0.0);
     }
 }

@@ -2,6 +2,9 @@
 
 use crate::math::Number;
 
+/// The least square of a length that counts \[m²\]: 2⁻⁹⁸, whose root is exact.
+pub const LEAST_SQUARE: f64 = 1.0 / (1_u128 << 98) as f64;
+
 /// Tension k·e \[N\] of stiffness k \[N/m\] at elongation e \[m\]; negative in compression.
 #[inline(always)]
 pub fn tension<S: Number>(stiffness: S, elongation: S) -> S {

@@ -227,7 +227,7 @@ fn velocity<S: Scalar>(p: &Particle<S>) -> Lanes<S> {
 #[inline(always)]
 fn reach<S: Scalar>(a: &Particle<S>, b: &Particle<S>) -> (Lanes<S>, S, S) {
     let d = sub(position(b), position(a));
-    let length = dot_lanes(d, d).max(S::of(1e-30)).sqrt();
+    let length = dot_lanes(d, d).max(S::of(spring::LEAST_SQUARE)).sqrt();
     (d, length, S::ONE / length)
 }
 
@@ -261,7 +261,8 @@ fn pass<S: Scalar, const LIMITED: bool, const COMMIT: bool, const DAMPED: bool>(
         let mut viscosity = link.damping;
         if LIMITED && limits[i].may_matter(tension, length) {
             let limit = &limits[i];
-            let mapped = plastic::return_map(link.stiffness, elongation, flows[i], &limit.yields);
+            let mapped =
+                plastic::return_map(link.stiffness, rest[i], elongation, flows[i], &limit.yields);
             tension = mapped.tension;
             let breaks = (tension > limit.break_force) | (length > limit.break_length);
             // Rare, and in runs: springs flow together, for many substeps.

@@ -140,7 +140,8 @@ impl Deformable {
     /// Tension of a spring at a length, and the flow that the next force evaluation will commit.
     #[inline]
     pub(super) fn mapped(&self, spring: usize, length: f64, stiffness: f64) -> Mapped<f64> {
-        let elongation = length - f64::from(self.state.rest[spring]);
+        let rest = f64::from(self.state.rest[spring]);
+        let elongation = length - rest;
         match self.solver.table.limits.get(spring) {
             None => Mapped {
                 tension: law::tension(stiffness, elongation),
@@ -156,6 +157,7 @@ impl Deformable {
                 };
                 return_map(
                     stiffness,
+                    rest,
                     elongation,
                     self.state.flow[spring].into(),
                     &yields,

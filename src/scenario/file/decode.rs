@@ -141,14 +141,26 @@ impl<'a> Decoder<'a> {
         formula.map_err(|what| self.wrong(node.at, |_| what)).ok()
     }
 
-    /// Decodes the material of a name; `None` after telling that there is none.
-    pub fn material<T>(&mut self, node: &Node, name: &str) -> Option<T>
+    /// Whether the scene has a material of that name.
+    pub fn has_material(&self, name: &str) -> bool {
+        self.materials.contains_key(name)
+    }
+
+    /// Decodes the material of a name; `None` after telling that it is neither one of the scene nor a preset.
+    pub fn material<T>(
+        &mut self,
+        node: &Node,
+        name: &str,
+        presets: impl Iterator<Item = &'static str>,
+    ) -> Option<T>
     where
         Made<T>: Decode,
     {
         let Some(found) = self.materials.get(name).cloned() else {
+            let presets: Vec<&str> = presets.collect();
             self.wrong(node.at, |d| {
-                unknown("material", name, d.materials.keys().map(String::as_str))
+                let own = d.materials.keys().map(String::as_str);
+                unknown("material", name, own.chain(presets.iter().copied()))
             });
             return None;
         };

@@ -216,11 +216,11 @@ where
         let limits = &self.limited.limits;
         for (slot, far, which) in self.slots {
             let stiffness = self.table.stiffness(which, part);
-            let trial = Trial::new(nodes.at, &far, part, V::load(limits.rest(slot), part))
-                .without_strays::<E>(stiffness);
+            let rest = V::load(limits.rest(slot), part);
+            let trial = Trial::new(nodes.at, &far, part, rest).without_strays::<E>(stiffness);
             let law = limits.palette.bounds(slot, part, stiffness);
             let flow = V::load(limits.flow(slot), part);
-            let mapped = plastic::return_map(stiffness, trial.elongation, flow, &law.yields);
+            let mapped = plastic::return_map(stiffness, rest, trial.elongation, flow, &law.yields);
             nodes.pull(&trial, mapped.tension);
             if DAMPED {
                 let rate = nodes.rate(&trial, &far, part);
@@ -260,7 +260,8 @@ where
             let stiffness = table.stiffness(which, part);
             let trial = Trial::new(nodes.at, &far, part, old_rest).without_strays::<E>(stiffness);
             let law = palette.bounds_of(set, part, stiffness);
-            let mapped = plastic::return_map(stiffness, trial.elongation, old_flow, &law.yields);
+            let mapped =
+                plastic::return_map(stiffness, old_rest, trial.elongation, old_flow, &law.yields);
             let amount = mapped.flow.abs();
             let flows = amount.bits_above(V::ZERO);
             (old_rest + mapped.flow).store(rest, part);

@@ -25,15 +25,13 @@ use super::telling::Telling;
 use super::vector::{LANES, Places, Starts, Wide};
 use crate::body::adjacency::Adjacency;
 use crate::body::state::State;
+use crate::law::spring::LEAST_SQUARE;
 use crate::solve::springs::{Limit, Link};
 use std::collections::HashMap;
 
-/// The least l² that counts \[m²\]: 2⁻⁹⁸, whose square root is exact.
-pub const LEAST_SQUARE: f32 = 3.155_443_6e-30;
-
 /// The length of a spring from a node to itself, as the pass finds it: \[m\].
 pub fn least_length() -> f32 {
-    LEAST_SQUARE.sqrt()
+    (LEAST_SQUARE as f32).sqrt()
 }
 
 /// Springs of a body by rows.

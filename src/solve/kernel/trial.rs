@@ -1,6 +1,5 @@
 //! Springs side by side, one of each row: where they reach, and what they do to the nodes of the rows.
 
-use super::sell::LEAST_SQUARE;
 use super::table::End;
 use super::vector::Vector;
 use crate::law::spring;
@@ -55,7 +54,7 @@ impl<V: Vector> Reach<V> {
         let reach = difference(far.place(part), at);
         Self {
             reach,
-            square: dot(reach, reach).max(V::of(LEAST_SQUARE.into())),
+            square: dot(reach, reach).max(V::of(spring::LEAST_SQUARE)),
         }
     }
 

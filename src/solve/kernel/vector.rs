@@ -41,7 +41,7 @@ pub trait Vector: Packed<f32> {
     /// One bit for each lane that is above the other's; not where one is NaN.
     fn bits_above(self, other: Self) -> u32;
     /// The square root and its reciprocal, each rounded as if it were exact. Of what is less than
-    /// [`LEAST_SQUARE`](super::sell::LEAST_SQUARE), infinite or not a number neither means anything.
+    /// [`LEAST_SQUARE`](crate::law::spring::LEAST_SQUARE), infinite or not a number neither means anything.
     #[inline(always)]
     fn root(self) -> [Self; 2] {
         let root = self.sqrt();

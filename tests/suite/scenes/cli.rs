@@ -62,7 +62,10 @@ fn mistakes_are_named() {
     let options = ["run", "sliding_block", "--duration", "0.1"];
     fails(&options, &["--duration: there is no variable `duration`"]);
     fails(&["run", "wal"], &["`wal`", "did you mean `wall`?"]);
-    fails(&["run", "aeroplane"], &["`aeroplane`", "wall", "drop"]);
+    fails(
+        &["run", "aeroplane"],
+        &["`aeroplane`", "wall", "drop", "damped_oscillator"],
+    );
     fails(&["run"], &["<NAME>"]);
     fails(&["run", "wall", "--dt", "soon"], &["soon", "--dt"]);
     fails(&["run", "wall", "--dt=-1"], &["dt", "-1", "above 0"]);

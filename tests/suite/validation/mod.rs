@@ -11,6 +11,7 @@ mod integrators;
 mod lattice;
 mod ledger;
 mod momentum;
+mod plastic;
 mod slope;
 mod solid_impact;
 mod solid_motion;

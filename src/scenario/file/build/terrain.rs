@@ -9,6 +9,9 @@ use rapier3d::parry::utils::Array2;
 /// Most points of one ground.
 const MOST: f64 = 1.0e6;
 
+/// The greatest height \[m\], as of every corner of a shape.
+const HIGHEST: Real = 1.0e6;
+
 /// The shape over a rectangle of this size, as close to square cells of this side as fit \[m\].
 pub(super) fn terrain(
     height: &Relief,
@@ -27,8 +30,10 @@ pub(super) fn terrain(
         for j in 0..columns {
             let (x, z) = (at(j, columns, length), at(i, rows, width));
             let y = height.0.value(&[x, z]) as Real;
-            if !y.is_finite() {
-                return Err("the height of the ground is not finite everywhere");
+            if !(y.abs() <= HIGHEST) {
+                return Err(
+                    "the height of the ground must be a number and at most 1e6 m, everywhere",
+                );
             }
             heights[(i, j)] = y;
         }

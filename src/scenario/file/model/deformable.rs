@@ -1,7 +1,7 @@
 //! Deformables and what holds them.
 
 use super::super::check::{
-    BODY, COUNT, DEFORMABLE, FINITE, LESS_THAN_ALL, Length, NOT_NEGATIVE, POSITIVE, STRENGTH,
+    BODY, COUNT, DEFORMABLE, FINITE, LESS_THAN_ALL, Length, NOT_NEGATIVE, POINT, POSITIVE, STRENGTH,
 };
 use super::super::decode::{Decode, Decoder};
 use super::super::formula::Formula;
@@ -57,7 +57,7 @@ record! {
         /// Which nodes are pinned: a formula of x, y, z.
         pin: Option<Region> = None;
         /// Where its own frame is \[m\].
-        translation: [f64; 3] = [0.0; 3], FINITE;
+        translation: [f64; 3] = [0.0; 3], POINT;
         /// Along which axes its lowest node is put where, instead of its frame \[m\]; None for the others.
         low: [Option<f64>; 3] = [None; 3], FINITE;
         /// Along which axes its highest node is put where, instead of its frame \[m\]; None for the others.

@@ -46,6 +46,8 @@ fn bounded(e: &Expectation, node: &Node, d: &mut Decoder) -> Option<()> {
         "nothing is expected; give `at_least`, `at_most` or `equals`"
     } else if e.equals.is_some() != tolerance || (e.within.is_some() && e.within_share.is_some()) {
         "`equals` goes with one of `within` and `within_share`"
+    } else if e.equals == Some(0.0) && e.within_share.is_some() {
+        "a share of 0 is nothing; give `within`"
     } else if e.at_least.zip(e.at_most).is_some_and(|(lo, hi)| lo > hi) {
         "`at_least` is above `at_most`"
     } else if e.over.is_some_and(|[from, to]| from >= to) {

@@ -1,6 +1,6 @@
 //! Rigid bodies and their colliders, with Rapier's own defaults.
 
-use super::super::check::{DEFORMABLE, FINITE, Length, NOT_NEGATIVE, POSITIVE};
+use super::super::check::{DEFORMABLE, FINITE, Length, NOT_NEGATIVE, POINT, POSITIVE};
 use super::super::decode::Decoder;
 use super::super::schema::{choice, record};
 use super::super::tree::Node;
@@ -16,7 +16,7 @@ record! {
         /// A deformable in whose own frame the place and the turn are meant, as that is put into the world.
         frame: Option<String> = None, DEFORMABLE;
         /// Where it is \[m\].
-        translation: [f64; 3] = [0.0; 3], FINITE;
+        translation: [f64; 3] = [0.0; 3], POINT;
         /// How it is turned: an axis, as long as the angle \[rad\].
         rotation: [f64; 3] = [0.0; 3], FINITE;
         /// Velocity of its origin \[m/s\].
@@ -42,6 +42,24 @@ record! {
         /// What it is made of.
         colliders: Vec<Collider> = Vec::new(), Length { from: 0, to: 1000 };
     }
+    then half_spaces
+}
+
+/// Rapier has no forces on what has no end, and panics where it meets some other shapes.
+fn half_spaces(body: &Rigid, node: &Node, d: &mut Decoder) -> Option<()> {
+    let endless = |shape: &Shape| matches!(shape, Shape::HalfSpace { .. });
+    let any = |c: &Collider| match &c.shape {
+        Shape::Compound(parts) => parts.iter().any(|p| endless(&p.shape)),
+        shape => endless(shape),
+    };
+    if body.kind == RigidKind::Dynamic && body.colliders.iter().any(any) {
+        d.wrong(node.at, |_| {
+            "forces move no half-space; give the body `kind: Fixed`, KinematicPosition or KinematicVelocity"
+                .into()
+        });
+        return None;
+    }
+    Some(())
 }
 
 choice! {
@@ -66,7 +84,7 @@ record! {
         /// Its shape.
         shape: Shape;
         /// Where it is on the body \[m\].
-        translation: [f64; 3] = [0.0; 3], FINITE;
+        translation: [f64; 3] = [0.0; 3], POINT;
         /// How it is turned on the body: an axis, as long as the angle \[rad\].
         rotation: [f64; 3] = [0.0; 3], FINITE;
         /// Its mass \[kg\]; by its density if it is left out.

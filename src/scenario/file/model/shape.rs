@@ -1,6 +1,6 @@
 //! Every shape that Rapier has, and meshes.
 
-use super::super::check::{FINITE, Length, NOT_NEGATIVE, POSITIVE};
+use super::super::check::{FINITE, Length, POINT, SIZE, WIDTH};
 use super::super::decode::{Decode, Decoder, variant};
 use super::super::formula::Formula;
 use super::super::schema::{Entry, choice};
@@ -25,40 +25,40 @@ choice! {
     /// The shape of a collider, about its own origin; the axis of round ones is y.
     pub enum Shape {
         /// A ball of this radius \[m\].
-        Ball(f64, POSITIVE);
+        Ball(f64, SIZE);
         /// A box.
         Cuboid {
             /// Half its sides \[m\].
-            half: [f64; 3], POSITIVE;
+            half: [f64; 3], SIZE;
             /// Radius of its edges, beyond the sides \[m\].
-            border: f64 = 0.0, NOT_NEGATIVE;
+            border: f64 = 0.0, WIDTH;
         };
         /// A cylinder with round ends.
         Capsule {
             /// Half the length of the cylinder \[m\].
-            half_height: f64, POSITIVE;
+            half_height: f64, SIZE;
             /// Radius \[m\].
-            radius: f64, POSITIVE;
+            radius: f64, SIZE;
             /// Along which axis it lies.
             axis: super::probe::Axis = super::probe::Axis::Y;
         };
         /// A cylinder.
         Cylinder {
             /// Half its height \[m\].
-            half_height: f64, POSITIVE;
+            half_height: f64, SIZE;
             /// Radius \[m\].
-            radius: f64, POSITIVE;
+            radius: f64, SIZE;
             /// Radius of its edges, beyond \[m\].
-            border: f64 = 0.0, NOT_NEGATIVE;
+            border: f64 = 0.0, WIDTH;
         };
         /// A cone with its tip up.
         Cone {
             /// Half its height \[m\].
-            half_height: f64, POSITIVE;
+            half_height: f64, SIZE;
             /// Radius of its base \[m\].
-            radius: f64, POSITIVE;
+            radius: f64, SIZE;
             /// Radius of its edges, beyond \[m\].
-            border: f64 = 0.0, NOT_NEGATIVE;
+            border: f64 = 0.0, WIDTH;
         };
         /// Everything on one side of a plane through the origin.
         HalfSpace {
@@ -68,61 +68,61 @@ choice! {
         /// A line between two points.
         Segment {
             /// One end \[m\].
-            a: [f64; 3], FINITE;
+            a: [f64; 3], POINT;
             /// The other \[m\].
-            b: [f64; 3], FINITE;
+            b: [f64; 3], POINT;
         };
         /// A triangle.
         Triangle {
             /// First corner \[m\].
-            a: [f64; 3], FINITE;
+            a: [f64; 3], POINT;
             /// Second corner \[m\].
-            b: [f64; 3], FINITE;
+            b: [f64; 3], POINT;
             /// Third corner \[m\].
-            c: [f64; 3], FINITE;
+            c: [f64; 3], POINT;
             /// Radius of its edges \[m\].
-            border: f64 = 0.0, NOT_NEGATIVE;
+            border: f64 = 0.0, WIDTH;
         };
         /// Lines from point to point.
         Polyline {
             /// The points \[m\].
-            points: Vec<[f64; 3]>, FINITE;
+            points: Vec<[f64; 3]>, POINT;
         };
         /// A surface of triangles.
         TriMesh(Mesh);
         /// Heights over a rectangle.
         HeightField {
             /// Rows along z of heights along x, as many in each \[m\].
-            heights: Vec<Vec<f64>>, FINITE;
+            heights: Vec<Vec<f64>>, POINT;
             /// Whole length along x, factor on heights, whole length along z.
-            size: [f64; 3], POSITIVE;
+            size: [f64; 3], SIZE;
         };
         /// Ground over a rectangle about the origin whose height is a formula.
         Terrain {
             /// Height \[m\]: a formula of x and z.
             height: Relief;
             /// Its sides along x and z \[m\].
-            size: [f64; 2], POSITIVE;
+            size: [f64; 2], SIZE;
             /// Side of a cell \[m\].
-            cell: f64, POSITIVE;
+            cell: f64, SIZE;
             /// Whether it is a mesh of the triangles that the height field has.
             mesh: bool = false;
         };
         /// The convex hull of points.
         Hull {
             /// The points \[m\].
-            points: Vec<[f64; 3]>, FINITE;
+            points: Vec<[f64; 3]>, POINT;
             /// Radius of its edges \[m\].
-            border: f64 = 0.0, NOT_NEGATIVE;
+            border: f64 = 0.0, WIDTH;
         };
         /// Convex parts of a closed surface.
         Decomposition(Mesh);
         /// Little boxes on a grid.
         Voxels {
             /// Sides of one \[m\].
-            size: [f64; 3], POSITIVE;
+            size: [f64; 3], SIZE;
             /// Which are there: any point of each \[m\].
-            points: Vec<[f64; 3]>, FINITE;
+            points: Vec<[f64; 3]>, POINT;
         };
         /// Several shapes as one.
         Compound(Vec<Placed>, Length { from: 1, to: 1000 });
@@ -151,7 +151,7 @@ super::super::schema::record! {
         /// Its shape; not a compound itself.
         shape: Shape;
         /// Where it is \[m\].
-        translation: [f64; 3] = [0.0; 3], FINITE;
+        translation: [f64; 3] = [0.0; 3], POINT;
         /// How it is turned: an axis, as long as the angle \[rad\].
         rotation: [f64; 3] = [0.0; 3], FINITE;
     }
@@ -190,7 +190,7 @@ mod explicit {
         /// A surface by its points.
         pub struct Points {
             /// Vertices \[m\].
-            vertices: Vec<[f64; 3]>, FINITE;
+            vertices: Vec<[f64; 3]>, POINT;
             /// Three indices of vertices each, counter-clockwise seen from outside.
             triangles: Vec<[u32; 3]>, POINTS;
         }
@@ -201,7 +201,7 @@ mod explicit {
         /// A ball of rings of quads, its quarters by turns in a colour of their own.
         pub struct Ball {
             /// Its radius \[m\].
-            radius: f64, POSITIVE;
+            radius: f64, SIZE;
             /// Quads in a ring; a multiple of 4.
             around: usize = 24;
             /// Rings; even.

@@ -19,11 +19,13 @@ pub struct SweepAxis {
 #[non_exhaustive]
 pub enum AxisError {
     /// It is not written as an axis is.
-    #[error("`{0}` is no variable with values; write speed=5..30:26 or angle=0,15,30")]
+    #[error(
+        "`{0}` is no variable with values; write speed=5..30:26 (two values or more) or angle=0,15,30"
+    )]
     Form(String),
-    /// A value is no number.
-    #[error("`{0}` is no finite number")]
-    Number(String),
+    /// A value of a variable is no number.
+    #[error("`{1}`, a value of `{0}`, is no finite number")]
+    Number(String, String),
     /// A variable has no values.
     #[error("the variable `{0}` has no values")]
     Empty(String),
@@ -43,7 +45,7 @@ impl FromStr for SweepAxis {
         let (name, values) = text.split_once('=').ok_or_else(form)?;
         let number = |text: &str| {
             let x = text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
-            x.ok_or_else(|| AxisError::Number(text.into()))
+            x.ok_or_else(|| AxisError::Number(name.trim().into(), text.into()))
         };
         let values = match values.split_once("..") {
             None => values

@@ -28,7 +28,7 @@ fn roots_without_a_divider_are_rounded_correctly() {
     }
     const COUNT: usize = 1 << 16;
     let [mut roots, mut inverses] = [vec![0.0; COUNT], vec![0.0; COUNT]];
-    let least = crate::solve::kernel::sell::LEAST_SQUARE.to_bits();
+    let least = (crate::law::spring::LEAST_SQUARE as f32).to_bits();
     let ends = [least, f32::MAX.to_bits() - COUNT as u32 + 1];
     let all = (1.0_f32.to_bits()..4.0_f32.to_bits()).step_by(COUNT);
     for first in all.chain(ends) {
