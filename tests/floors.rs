@@ -52,6 +52,7 @@ const UNSAFE: &[&str] = &[
     "solve/kernel/vector/pack.rs",
     "solve/kernel/vector/rows.rs",
     "solve/kernel/vector/runs.rs",
+    "solve/kernel/vector/tests.rs",
     "solve/kernel/vector/x86.rs",
     "solve/kernel/vector/x86/eight.rs",
     "solve/kernel/vector/x86/sixteen.rs",

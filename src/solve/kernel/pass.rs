@@ -301,17 +301,19 @@ pub(super) fn add_springs<V: Vector, E: End<V>, R: Rule<V>, const DAMPED: bool>(
     nodes: Nodes<V>,
     rule: &R,
 ) -> (Nodes<V>, bool) {
-    let mut sums = Sums {
-        nodes,
-        within: V::EVERYWHERE,
-    };
-    // By twos, so that the second is taken up while the roots of the first are awaited.
-    while let Some(a) = slots.next() {
-        let Some(b) = slots.next() else {
-            sums.add::<E, R, 1, DAMPED>(table, [a], part, rule);
-            break;
-        };
-        sums.add::<E, R, 2, DAMPED>(table, [a, b], part, rule);
+    let (at, within) = (nodes.at, V::EVERYWHERE);
+    let mut sums = Sums { nodes, within };
+    while let Some(one) = slots.next() {
+        let reach = Reach::new(at, &one.1, part);
+        if V::BY_TWOS
+            && let Some(other) = slots.next()
+        {
+            let next = Reach::new(at, &other.1, part);
+            sums.add::<_, _, DAMPED>(table, reach, one, part, rule);
+            sums.add::<_, _, DAMPED>(table, next, other, part, rule);
+        } else {
+            sums.add::<_, _, DAMPED>(table, reach, one, part, rule);
+        }
     }
     (sums.nodes, !R::LIMITED || V::is_everywhere(sums.within))
 }
@@ -323,33 +325,28 @@ struct Sums<V: Vector> {
 }
 
 impl<V: Vector> Sums<V> {
-    /// Adds some slots at once.
+    /// Adds a slot that reaches so far.
     #[inline(always)]
-    fn add<E: End<V>, R: Rule<V>, const N: usize, const DAMPED: bool>(
+    fn add<E: End<V>, R: Rule<V>, const DAMPED: bool>(
         &mut self,
         table: &Table,
-        slots: [(R::Slot, E, usize); N],
+        reach: Reach<V>,
+        (slot, far, which): (R::Slot, E, usize),
         part: usize,
         rule: &R,
     ) {
-        let mut reaches = [Reach::NONE; N];
-        for (reach, (_, far, _)) in reaches.iter_mut().zip(&slots) {
-            *reach = Reach::new(self.nodes.at, far, part);
+        let rest = rule.rest(slot, (which, part));
+        let stiffness = table.stiffness(which, part);
+        let mut trial = reach.trial(rest);
+        if R::ASKS_ALL {
+            trial = trial.without_strays::<E>(stiffness);
         }
-        for (reach, (slot, far, which)) in reaches.iter().zip(&slots) {
-            let rest = rule.rest(*slot, (*which, part));
-            let stiffness = table.stiffness(*which, part);
-            let mut trial = reach.trial(rest);
-            if R::ASKS_ALL {
-                trial = trial.without_strays::<E>(stiffness);
-            }
-            let tension = spring::tension(stiffness, trial.elongation);
-            self.within = rule.keep(self.within, trial.elongation, rest, *slot, (*which, part));
-            self.nodes.pull(&trial, tension);
-            if DAMPED {
-                let rate = self.nodes.rate(&trial, far, part);
-                self.nodes.damp(&trial, rate, table.damping(*which, part));
-            }
+        let tension = spring::tension(stiffness, trial.elongation);
+        self.within = rule.keep(self.within, trial.elongation, rest, slot, (which, part));
+        self.nodes.pull(&trial, tension);
+        if DAMPED {
+            let rate = self.nodes.rate(&trial, &far, part);
+            self.nodes.damp(&trial, rate, table.damping(which, part));
         }
     }
 }

@@ -34,6 +34,9 @@ pub trait Vector: Packed<f32> {
     type Mask: Copy;
     /// It holds in every lane.
     const EVERYWHERE: Self::Mask;
+    /// Whether springs are taken up two at a time, the second while the root of the first is awaited: where there are the registers
+    /// for it, and roots are long chains of products.
+    const BY_TWOS: bool = false;
     /// Where it held and this is above the other; not where one is NaN.
     fn also_above(self, other: Self, mask: Self::Mask) -> Self::Mask;
     /// Whether it holds in every lane.

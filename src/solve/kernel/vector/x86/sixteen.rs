@@ -109,6 +109,7 @@ impl<const NEWTON: bool> Packed<f32> for F16<NEWTON> {
 impl<const NEWTON: bool> Vector for F16<NEWTON> {
     type Mask = __mmask16;
     const EVERYWHERE: Self::Mask = __mmask16::MAX;
+    const BY_TWOS: bool = NEWTON;
 
     #[inline(always)]
     fn also_above(self, other: Self, mask: Self::Mask) -> Self::Mask {
