@@ -44,11 +44,6 @@ pub struct Reach<V> {
 }
 
 impl<V: Vector> Reach<V> {
-    pub const NONE: Self = Self {
-        reach: [V::ZERO; 3],
-        square: V::ZERO,
-    };
-
     #[inline(always)]
     pub fn new(at: [V; 3], far: &impl End<V>, part: usize) -> Self {
         let reach = difference(far.place(part), at);
@@ -61,7 +56,11 @@ impl<V: Vector> Reach<V> {
     /// The springs of these rest lengths.
     #[inline(always)]
     pub fn trial(&self, rest: V) -> Trial<V> {
-        let [length, inverse] = self.square.root();
+        self.of_root(self.square.root(), rest)
+    }
+
+    #[inline(always)]
+    fn of_root(&self, [length, inverse]: [V; 2], rest: V) -> Trial<V> {
         Trial {
             reach: self.reach,
             length,
@@ -72,9 +71,12 @@ impl<V: Vector> Reach<V> {
 }
 
 impl<V: Vector> Trial<V> {
+    /// By the divider: for passes that have so much else to do that it holds nothing up.
     #[inline(always)]
     pub fn new(at: [V; 3], far: &impl End<V>, part: usize, rest: V) -> Self {
-        Reach::new(at, far, part).trial(rest)
+        let reach = Reach::new(at, far, part);
+        let length = reach.square.sqrt();
+        reach.of_root([length, V::ONE / length], rest)
     }
 
     /// From the row's node to the other.
