@@ -271,10 +271,7 @@ where
             } else {
                 (0, V::ONE)
             };
-            let mut rate = V::ZERO;
-            if DAMPED || flows | breaks != 0 {
-                rate = nodes.rate(&trial, &far, part);
-            }
+            let rate = nodes.rate(&trial, &far, part);
             // The trapezoid, as for every other work: the tension of the last commit follows from the rate.
             let last = stiffness * (trial.elongation - since * rate);
             add_work::<V>(&mut plastic, plastic::work(last, &mapped));
