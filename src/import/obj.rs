@@ -1,8 +1,8 @@
 //! Wavefront OBJ surfaces.
 //!
-//! `tobj` reads the file, but it accepts "NaN" as a number, drops faces of two vertices silently and does not say which
-//! line is wrong. A scan of the `v` and `f` lines before it costs less than the parse and turns each of these into an
-//! error with a line number.
+//! `tobj` reads the file, but it accepts "NaN" as a number, drops faces of two vertices silently, stumbles over comments behind a line
+//! and weights of vertices, makes triangles of lines, and does not say which line is wrong. A scan of the `v` and `f` lines before it
+//! costs less than the parse, turns each mistake into an error with a line number, and leaves only what is wanted to it.
 
 use super::ImportError;
 use crate::body::{Group, Surface};
@@ -40,7 +40,7 @@ pub fn load(path: impl AsRef<Path>) -> Result<Surface, ImportError> {
 /// [`ImportError::Line`] for a coordinate that is not a finite number, a face with fewer than three vertices or an index
 /// out of range; [`ImportError::Empty`] without faces; [`ImportError::Format`] for anything else `tobj` refuses.
 pub fn parse(text: &str, name: &Path) -> Result<Surface, ImportError> {
-    scan(text, name)?;
+    let text = scan(text.trim_start_matches('\u{feff}'), name)?;
     let options = tobj::LoadOptions {
         triangulate: true,
         single_index: true,
@@ -92,11 +92,11 @@ pub fn parse(text: &str, name: &Path) -> Result<Surface, ImportError> {
     Ok(surface)
 }
 
-/// Finds the first wrong `v` or `f` line.
-fn scan(text: &str, name: &Path) -> Result<(), ImportError> {
+/// Places, faces by the places of their corners, and all that names or divides them; or the first wrong `v` or `f` line.
+fn scan(text: &str, name: &Path) -> Result<String, ImportError> {
     let key = |line: &str| line.split_whitespace().next().unwrap_or_default() == "v";
     let total = text.lines().filter(|line| key(line)).count();
-    let mut so_far = 0;
+    let (mut so_far, mut wanted) = (0, String::with_capacity(text.len()));
     for (index, line) in text.lines().enumerate() {
         let bad = |what, value: &str, must: String| ImportError::Line {
             path: name.into(),
@@ -109,7 +109,7 @@ fn scan(text: &str, name: &Path) -> Result<(), ImportError> {
         match words.next() {
             Some("v") => {
                 so_far += 1;
-                let numbers: Vec<&str> = words.collect();
+                let numbers: Vec<&str> = words.take_while(|w| !w.starts_with('#')).collect();
                 if numbers.len() < 3 {
                     return Err(bad("a vertex", line, "three coordinates".into()));
                 }
@@ -118,12 +118,15 @@ fn scan(text: &str, name: &Path) -> Result<(), ImportError> {
                         return Err(bad("a coordinate", word, "a finite number".into()));
                     }
                 }
+                let [x, y, z] = [numbers[0], numbers[1], numbers[2]];
+                wanted.extend(["v ", x, " ", y, " ", z]);
             }
             Some("f") => {
                 let corners: Vec<&str> = words.take_while(|w| !w.starts_with('#')).collect();
                 if corners.len() < 3 {
                     return Err(bad("a face", line, "three vertices or more".into()));
                 }
+                wanted.push('f');
                 for word in corners {
                     let index = word.split('/').next().unwrap_or_default();
                     let known = match index.parse::<i64>() {
@@ -135,12 +138,15 @@ fn scan(text: &str, name: &Path) -> Result<(), ImportError> {
                         let must = format!("a vertex from 1 to {total}, or from -{so_far} to -1");
                         return Err(bad("the index of a face", word, must));
                     }
+                    wanted.extend([" ", index]);
                 }
             }
-            _ => {}
+            Some("o" | "g" | "usemtl") => wanted.push_str(line),
+            _ => continue,
         }
+        wanted.push('\n');
     }
-    Ok(())
+    Ok(wanted)
 }
 
 #[cfg(test)]
@@ -177,6 +183,23 @@ mod tests {
         surface.check_closed().unwrap();
         assert_eq!((surface.vertices.len(), surface.triangles.len()), (8, 12));
         assert!((surface.volume() - 1.0).abs() < 1e-6);
+    }
+
+    /// What other programs write beside places and faces: a mark of the order of bytes, weights, colours, comments, textures, lines and points.
+    #[test]
+    fn what_is_not_wanted_does_no_harm() {
+        let plain = read(&TETRAHEDRON.replace("1/1/1 2//2", "1 2")).unwrap();
+        let rich = TETRAHEDRON
+            .replace("v 1 0 0", "v 1 0 0 1 # weight\nvt 0.5 0.5\nvn 0 0 1")
+            .replace("v 0 1 0", "v 0 1 0 0.5 0.5 0.5 #colour")
+            .replace("f 1 3 2", "l 1 2\np 1\ns off\nf 1 3 2 # a face")
+            .replace("f 1 4 3", "l 1 2 3 4\nf 1/9 4/9 3/9\r\n");
+        let rich = read(&format!("\u{feff}{rich}")).unwrap();
+        assert_eq!(rich.vertices, plain.vertices);
+        assert_eq!(rich.triangles, plain.triangles);
+        assert_eq!(rich.groups.len(), plain.groups.len());
+        let marked = read("\u{feff}v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3").unwrap();
+        assert_eq!(marked.vertices.len(), 3);
     }
 
     #[test]
