@@ -169,14 +169,26 @@ impl<S: Scalar> State<S> {
         self.origin + sum / n
     }
 
-    /// Moves the origin to the body once it has strayed by more than `limit` \[m\]. The shift is rounded to a multiple of
-    /// 1/1024 m and applied to high and low part together, so that no position changes.
-    pub fn recentre(&mut self, limit: f64) {
-        let offset = self.centre() - self.origin;
-        if offset.length() <= limit || !offset.is_finite() {
+    /// Moves the origin to the body once it has strayed by more than the body's own size, or by more than `most` \[m\]: what `f32` tells
+    /// apart is a share of the distance to the origin. The shift is rounded to a thousandth of that and applied to high and low part together, so that no
+    /// position changes.
+    pub fn recentre(&mut self, most: f64) {
+        let n = self.particles.len().max(1) as f64;
+        let (mut sum, mut squares) = (DVec3::ZERO, 0.0);
+        for i in 0..self.particles.len() {
+            let local = self.local(i);
+            sum += local;
+            squares += local.length_squared();
+        }
+        let offset = sum / n;
+        // Twice the radius of gyration: the side of a cube. A point has none.
+        let size = 2.0 * (squares / n - offset.length_squared()).max(0.0).sqrt();
+        let size = if size > 1e-9 { size.min(1.0) } else { 1.0 };
+        if offset.length() <= size.min(most) || !offset.is_finite() {
             return;
         }
-        let shift = ((offset * 1024.0).round() / 1024.0)
+        let grain = size.log2().floor().exp2() / 1024.0;
+        let shift = ((offset / grain).round() * grain)
             .to_array()
             .map(|c| S::of(c));
         self.origin += DVec3::from_array(shift.map(|c| c.f64()));
@@ -218,5 +230,22 @@ mod tests {
         s.recentre(1.0);
         assert!(s.local(0).length() < 0.01);
         assert_eq!((s.position(0) - before).length(), 0.0);
+    }
+
+    /// A body of 2 mm that flies a few centimetres is as exact as where it began.
+    #[test]
+    fn the_origin_follows_a_small_body() {
+        let corner = |i: u32| [0, 1, 2].map(|k| 0.002 * (i >> k & 1) as f32);
+        let nodes = (0..8).map(|i| (corner(i), [0.0; 3], 1.0));
+        let mut s = State::<f32>::new(nodes, []);
+        for _ in 0..30 {
+            (0..8).for_each(|i| s.displace(i, [1e-3, 2e-3, 0.0]));
+            let before: Vec<_> = (0..8).map(|i| s.position(i)).collect();
+            s.recentre(1.0);
+            for (i, before) in before.into_iter().enumerate() {
+                assert!(s.local(i).length() < 0.005, "{}", s.local(i));
+                assert!((s.position(i) - before).length() < 1e-15);
+            }
+        }
     }
 }
