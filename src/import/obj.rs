@@ -1,7 +1,7 @@
 //! Wavefront OBJ surfaces.
 //!
 //! `tobj` reads the file, but it accepts "NaN" as a number, drops faces of two vertices silently, stumbles over comments behind a line
-//! and weights of vertices, makes triangles of lines, and does not say which line is wrong. A scan of the `v` and `f` lines before it
+//! and some weights of vertices, makes triangles of lines, and does not say which line is wrong. A scan of the `v` and `f` lines before it
 //! costs less than the parse, turns each mistake into an error with a line number, and leaves only what is wanted to it.
 
 use super::ImportError;
@@ -33,7 +33,7 @@ pub fn load(path: impl AsRef<Path>) -> Result<Surface, ImportError> {
 
 /// Reads OBJ `text`, in metres; `name` is what errors call it. All objects and groups become one surface with their names
 /// in [`Surface::groups`]. Vertices at the same position become one, since exporters split them where normals or
-/// textures differ; polygons are cut into fans. Normals, textures and materials are left out, and so are vertices that
+/// textures differ; polygons are cut into fans. Normals, textures, materials, weights, lines and points are left out, and so are vertices that
 /// no face uses.
 ///
 /// # Errors
@@ -141,7 +141,7 @@ fn scan(text: &str, name: &Path) -> Result<String, ImportError> {
                     wanted.extend([" ", index]);
                 }
             }
-            Some("o" | "g" | "usemtl") => wanted.push_str(line),
+            Some("o" | "g") => wanted.push_str(line),
             _ => continue,
         }
         wanted.push('\n');
@@ -190,14 +190,20 @@ mod tests {
     fn what_is_not_wanted_does_no_harm() {
         let plain = read(&TETRAHEDRON.replace("1/1/1 2//2", "1 2")).unwrap();
         let rich = TETRAHEDRON
-            .replace("v 1 0 0", "v 1 0 0 1 # weight\nvt 0.5 0.5\nvn 0 0 1")
+            .replace("v 1 0 0", "v 1 0 0 2 # weight\nvt 0.5 0.5\nvn 0 0 1")
             .replace("v 0 1 0", "v 0 1 0 0.5 0.5 0.5 #colour")
             .replace("f 1 3 2", "l 1 2\np 1\ns off\nf 1 3 2 # a face")
             .replace("f 1 4 3", "l 1 2 3 4\nf 1/9 4/9 3/9\r\n");
         let rich = read(&format!("\u{feff}{rich}")).unwrap();
         assert_eq!(rich.vertices, plain.vertices);
         assert_eq!(rich.triangles, plain.triangles);
-        assert_eq!(rich.groups.len(), plain.groups.len());
+        let named = |s: &Surface| -> Vec<_> {
+            let groups = s.groups.iter();
+            groups
+                .map(|g| (g.name.clone(), g.triangles.clone()))
+                .collect()
+        };
+        assert_eq!(named(&rich), named(&plain));
         let marked = read("\u{feff}v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3").unwrap();
         assert_eq!(marked.vertices.len(), 3);
     }

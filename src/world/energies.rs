@@ -137,7 +137,7 @@ impl Deformable {
         power
     }
 
-    /// Tension of a spring at a length, and the flow that the next force evaluation will commit.
+    /// Tension of a spring at a length, and the flow that the next force evaluation will commit, but for a digit of the length.
     #[inline]
     pub(super) fn mapped(&self, spring: usize, length: f64, stiffness: f64) -> Mapped<f64> {
         let rest = f64::from(self.state.rest[spring]);

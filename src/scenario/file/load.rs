@@ -84,6 +84,12 @@ fn load(source: &Source, top: &Path, options: &LoadOptions) -> Result<Scenario, 
     };
     let names = files.names;
     let (variables, mut problems) = variables(&tree, &names, options);
+    if problems.iter().any(|p| p.key.starts_with("variables.")) {
+        // Whatever names these would be complained of as well.
+        let more = problems.len().saturating_sub(MOST);
+        problems.truncate(MOST);
+        return Err(LoadError { problems, more });
+    }
     let locate = |from: &Path, text: &str| source.data(from, text);
     let mut d = Decoder::new(&names, &variables, &locate);
     d.more = problems.len().saturating_sub(MOST);

@@ -51,8 +51,6 @@ pub(super) fn variables(
             &fields[i],
             "its value depends on itself, or on one that does".into(),
         );
-        // Whoever names it has made no mistake.
-        variables.insert(fields[i].key.clone(), 0.0);
     }
     for field in order.into_iter().map(|i| &fields[i]) {
         if let Err(what) = good_variable(&field.key) {

@@ -21,7 +21,7 @@ use crate::math::{Pack, Packed};
 #[cfg(target_arch = "x86_64")]
 use std::sync::LazyLock;
 
-#[cfg(test)]
+#[cfg(all(test, target_arch = "x86_64"))]
 mod tests;
 
 pub use crate::math::{LANES, Wide};
@@ -163,7 +163,9 @@ impl Width {
 #[cfg(target_arch = "x86_64")]
 fn has_slow_divider() -> bool {
     static IS_INTEL: LazyLock<bool> = LazyLock::new(|| {
-        let of = std::arch::x86_64::__cpuid(0);
+        // SAFETY: every processor of 64 bits has it. (Rust has it as safe from 1.94 on.)
+        #[allow(unused_unsafe)]
+        let of = unsafe { std::arch::x86_64::__cpuid(0) };
         [of.ebx, of.edx, of.ecx] == [*b"Genu", *b"ineI", *b"ntel"].map(u32::from_le_bytes)
     });
     *IS_INTEL

@@ -30,7 +30,7 @@ pub(super) fn terrain(
         for j in 0..columns {
             let (x, z) = (at(j, columns, length), at(i, rows, width));
             let y = height.0.value(&[x, z]) as Real;
-            if !(y.abs() <= HIGHEST) {
+            if y.is_nan() || y.abs() > HIGHEST {
                 return Err(
                     "the height of the ground must be a number and at most 1e6 m, everywhere",
                 );

@@ -59,9 +59,9 @@ record! {
         /// Where its own frame is \[m\].
         translation: [f64; 3] = [0.0; 3], POINT;
         /// Along which axes its lowest node is put where, instead of its frame \[m\]; None for the others.
-        low: [Option<f64>; 3] = [None; 3], FINITE;
+        low: [Option<f64>; 3] = [None; 3], POINT;
         /// Along which axes its highest node is put where, instead of its frame \[m\]; None for the others.
-        high: [Option<f64>; 3] = [None; 3], FINITE;
+        high: [Option<f64>; 3] = [None; 3], POINT;
         /// How its own frame is turned: an axis, as long as the angle \[rad\].
         rotation: [f64; 3] = [0.0; 3], FINITE;
         /// Velocity of its centre of mass \[m/s\].
@@ -140,9 +140,9 @@ choice! {
         /// A chain of springs.
         Rope {
             /// Its first node \[m\].
-            from: [f64; 3], FINITE;
+            from: [f64; 3], POINT;
             /// Its last node \[m\].
-            to: [f64; 3], FINITE;
+            to: [f64; 3], POINT;
             /// Springs.
             segments: usize, COUNT;
             /// Its section \[m²\].
@@ -224,7 +224,7 @@ record! {
     /// A node of a net.
     pub struct NodeSpec {
         /// Where it is \[m\].
-        at: [f64; 3], FINITE;
+        at: [f64; 3], POINT;
         /// Mass \[kg\].
         mass: f64, POSITIVE;
         /// Velocity beside that of the body \[m/s\].

@@ -1,6 +1,6 @@
 //! Joints between rigid bodies and their motors.
 
-use super::super::check::{FINITE, NOT_NEGATIVE, POSITIVE, RIGID};
+use super::super::check::{FINITE, NOT_NEGATIVE, POINT, POSITIVE, RIGID};
 use super::super::decode::Decoder;
 use super::super::schema::{choice, record};
 use super::super::tree::Node;
@@ -18,9 +18,9 @@ record! {
         /// The other.
         b: String, RIGID;
         /// The joint's place on the first body \[m\].
-        anchor_a: [f64; 3] = [0.0; 3], FINITE;
+        anchor_a: [f64; 3] = [0.0; 3], POINT;
         /// The joint's place on the second body \[m\].
-        anchor_b: [f64; 3] = [0.0; 3], FINITE;
+        anchor_b: [f64; 3] = [0.0; 3], POINT;
         /// From where to where it may go \[m\] or \[rad\]; of a hinge or a slider.
         limits: Option<[f64; 2]> = None, FINITE;
         /// What drives a hinge or a slider.

@@ -7,8 +7,7 @@ use super::super::tree::{Node, Value};
 use crate::body::Material;
 
 record! {
-    /// What the springs of a deformable are made of. A name in quotes stands for one of `materials`, a word (in JSON in quotes, too) for
-    /// a preset:
+    /// What the springs of a deformable are made of. A name in quotes stands for one of `materials`, or for a preset, as a word without quotes does:
     /// MildSteel, Aluminium, Rubber, PolypropyleneFoam, AluminiumFoam, MildSteelFoam, CarBody.
     pub struct SpringMaterial {
         /// Young's modulus \[Pa\].
@@ -71,10 +70,10 @@ impl<T: Decode + Preset> Decode for Made<T> {
     fn decode(node: &Node, d: &mut Decoder) -> Option<Self> {
         let known = |word: &str| T::PRESETS.iter().find(|(name, _)| *name == word);
         match &node.value {
-            Value::Text(name) if !d.has_material(name) && known(name).is_some() => {
-                known(name).map(|(_, make)| make())
-            }
-            Value::Text(name) => d.material(node, name, T::PRESETS.iter().map(|(name, _)| *name)),
+            Value::Text(name) => match known(name).filter(|_| !d.has_material(name)) {
+                Some((_, make)) => Some(make()),
+                None => d.material(node, name, T::PRESETS.iter().map(|(name, _)| *name)),
+            },
             Value::Named(word, None) => match known(word) {
                 Some((_, make)) => Some(make()),
                 None => {

@@ -1,6 +1,6 @@
 //! Rigid bodies and their colliders, with Rapier's own defaults.
 
-use super::super::check::{DEFORMABLE, FINITE, Length, NOT_NEGATIVE, POINT, POSITIVE};
+use super::super::check::{DEFORMABLE, FINITE, Length, NOT_NEGATIVE, POINT, POSITIVE, WIDTH};
 use super::super::decode::Decoder;
 use super::super::schema::{choice, record};
 use super::super::tree::Node;
@@ -106,7 +106,7 @@ record! {
         /// Which things it pushes.
         solver_groups: Groups = Groups::all();
         /// Distance that rigid bodies keep from it \[m\].
-        contact_skin: f64 = 0.0, NOT_NEGATIVE;
+        contact_skin: f64 = 0.0, WIDTH;
     }
 }
 

@@ -1,6 +1,6 @@
 //! Soft bodies of Rapier's own.
 
-use super::super::check::{FINITE, NOT_NEGATIVE, POISSON, POSITIVE};
+use super::super::check::{NOT_NEGATIVE, POINT, POISSON, POSITIVE};
 use super::super::decode::Decoder;
 use super::super::schema::record;
 use super::super::tree::Node;
@@ -29,7 +29,7 @@ record! {
         /// Which particles are pinned: a formula of x, y, z.
         pin: Option<Region> = None;
         /// Where its middle is \[m\].
-        translation: [f64; 3] = [0.0; 3], FINITE;
+        translation: [f64; 3] = [0.0; 3], POINT;
     }
     then few
 }

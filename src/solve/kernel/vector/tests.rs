@@ -19,7 +19,6 @@ impl Pass for Roots<'_> {
 
 /// Without a divider every root and every reciprocal is rounded as it is with one: all mantissas, with even and with odd exponents,
 /// and the ends of the range.
-#[cfg(target_arch = "x86_64")]
 #[test]
 fn roots_without_a_divider_are_rounded_correctly() {
     if Width::widest() < Width::Avx512 {
