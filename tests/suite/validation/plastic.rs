@@ -28,7 +28,7 @@ fn slow_flow_is_that_of_the_law_in_any_substep() {
         let body = &deformables[handle];
         let p = (1e8 * 0.05 - 1e6) / (1e8 + 1e7);
         let name = format!("{springs} springs, {substeps} substeps");
-        let tension = f64::from(body.tension(SpringId(0)).unwrap());
+        let tension = body.tension(SpringId(0)).unwrap();
         let law = AREA * (1e6 + 1e7 * p);
         close(&format!("tension [N], {name}"), tension, law, 1e-4);
         let energies = body.energies();
