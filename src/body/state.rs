@@ -169,9 +169,9 @@ impl<S: Scalar> State<S> {
         self.origin + sum / n
     }
 
-    /// Moves the origin to the body once it has strayed by more than the body's own size, or by more than `most` \[m\]: what `f32` tells
-    /// apart is a share of the distance to the origin. The shift is rounded to a thousandth of
-    /// that and applied to high and low part together, so that no position changes.
+    /// Moves the origin to the body once it has strayed by more than the body's own size, or by more than `most` or a metre: what `f32`
+    /// tells apart is a share of the distance to the origin. The shift is rounded to a thousandth of the size and applied to high and low
+    /// part together, so that no position changes.
     pub fn recentre(&mut self, most: f64) {
         let n = self.particles.len().max(1) as f64;
         let (mut sum, mut squares) = (DVec3::ZERO, 0.0);

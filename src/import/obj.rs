@@ -2,7 +2,7 @@
 //!
 //! `tobj` reads the file, but it accepts "NaN" as a number, drops faces of two vertices silently, stumbles over comments behind a line
 //! and some weights of vertices, makes triangles of lines, and does not say which line is wrong. A scan of the `v` and `f` lines before it
-//! costs less than the parse, turns each mistake into an error with a line number, and leaves only what is wanted to it.
+//! turns each mistake into an error with a line number, and leaves only what is wanted to it.
 
 use super::ImportError;
 use crate::body::{Group, Surface};
@@ -33,8 +33,8 @@ pub fn load(path: impl AsRef<Path>) -> Result<Surface, ImportError> {
 
 /// Reads OBJ `text`, in metres; `name` is what errors call it. All objects and groups become one surface with their names
 /// in [`Surface::groups`]. Vertices at the same position become one, since exporters split them where normals or
-/// textures differ; polygons are cut into fans. Normals, textures, materials, weights, lines and points are left out, and so are vertices that
-/// no face uses.
+/// textures differ; polygons are cut into fans. Normals, textures, materials, weights, lines and points are left out,
+/// and so are vertices that no face uses.
 ///
 /// # Errors
 /// [`ImportError::Line`] for a coordinate that is not a finite number, a face with fewer than three vertices or an index

@@ -62,7 +62,8 @@ pub fn return_map<S: Number>(
 }
 
 /// Work dissipated by a flow \[J\]: the mean of the tension before and after it, times the flow. `last` is what the
-/// tension was before the flow \[N\]; it can't have been beyond the surface the flow ended on.
+/// tension was before the flow \[N\]. It is taken to have been no farther out than where the flow ended: of slow flows, which begin up to
+/// k times half a digit of the length beyond that, half of this is not booked.
 #[inline(always)]
 pub fn work<S: Number>(last: S, mapped: &Mapped<S>) -> S {
     let most = mapped.tension.abs();

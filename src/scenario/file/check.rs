@@ -19,19 +19,22 @@ pub(crate) const POSITIVE: Range = Range {
     good: |x| (x as f32).is_normal() && x > 0.0,
     must: "positive and finite",
 };
-/// Places, and corners of shapes \[m\]: `f32` tells no more than centimetres apart out there, and Parry's searches overflow farther on.
+/// How far out things may be, and how large \[m\]: `f32` tells no more than centimetres apart there, and Parry's searches overflow
+/// farther on.
+pub(crate) const FARTHEST: f64 = 1e6;
+/// Places, and corners of shapes \[m\].
 pub(crate) const POINT: Range = Range {
-    good: |x| x.abs() <= 1e6,
+    good: |x| x.abs() <= FARTHEST,
     must: "at most 1e6 m from 0",
 };
 /// Sizes of shapes \[m\].
 pub(crate) const SIZE: Range = Range {
-    good: |x| (x as f32).is_normal() && x > 0.0 && x <= 1e6,
+    good: |x| (x as f32).is_normal() && x > 0.0 && x <= FARTHEST,
     must: "positive and at most 1e6 m",
 };
 /// Widths that may be none \[m\].
 pub(crate) const WIDTH: Range = Range {
-    good: |x| (0.0..=1e6).contains(&x),
+    good: |x| (0.0..=FARTHEST).contains(&x),
     must: "0 or positive, and at most 1e6 m",
 };
 /// Dampings, coefficients.

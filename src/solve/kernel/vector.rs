@@ -6,7 +6,7 @@
 //! one as the type parameter of `Pass::run` alone, which [`run`] calls after it has asked the processor. Nothing else
 //! makes their operations sound, and nothing else is needed, because a processor does not lose an extension.
 //!
-//! Products are never fused with sums, so every width gives the same bits.
+//! Products are never fused with sums, but within [`Vector::root`], which rounds as if it were exact. So every width gives the same bits.
 
 #![allow(unsafe_code)]
 

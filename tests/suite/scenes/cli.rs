@@ -67,6 +67,7 @@ fn mistakes_are_named() {
         &["`aeroplane`", "wall", "drop", "damped_oscillator"],
     );
     fails(&["run"], &["<NAME>"]);
+    fails(&["sweep", "sliding_block", "--jobs", "0"], &["0", "--jobs"]);
     fails(&["run", "wall", "--dt", "soon"], &["soon", "--dt"]);
     fails(&["run", "wall", "--dt=-1"], &["dt", "-1", "above 0"]);
     fails(&["run", "wall", "--dt", "NaN"], &["dt", "NaN"]);

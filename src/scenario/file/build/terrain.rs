@@ -1,5 +1,6 @@
 //! Ground by a formula: a height field, or a mesh of the same triangles.
 
+use super::super::check::FARTHEST;
 use super::super::model::shape::Relief;
 use crate::math::{Real, Vector};
 use rapier3d::geometry::SharedShape;
@@ -8,9 +9,6 @@ use rapier3d::parry::utils::Array2;
 
 /// Most points of one ground.
 const MOST: f64 = 1.0e6;
-
-/// The greatest height \[m\], as of every corner of a shape.
-const HIGHEST: Real = 1.0e6;
 
 /// The shape over a rectangle of this size, as close to square cells of this side as fit \[m\].
 pub(super) fn terrain(
@@ -30,7 +28,7 @@ pub(super) fn terrain(
         for j in 0..columns {
             let (x, z) = (at(j, columns, length), at(i, rows, width));
             let y = height.0.value(&[x, z]) as Real;
-            if y.is_nan() || y.abs() > HIGHEST {
+            if y.is_nan() || y.abs() > FARTHEST as Real {
                 return Err(
                     "the height of the ground must be a number and at most 1e6 m, everywhere",
                 );

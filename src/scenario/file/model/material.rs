@@ -7,7 +7,8 @@ use super::super::tree::{Node, Value};
 use crate::body::Material;
 
 record! {
-    /// What the springs of a deformable are made of. A name in quotes stands for one of `materials`, or for a preset, as a word without quotes does:
+    /// What the springs of a deformable are made of. A name in quotes stands for one of `materials`, or for a preset, as a
+    /// word without quotes does:
     /// MildSteel, Aluminium, Rubber, PolypropyleneFoam, AluminiumFoam, MildSteelFoam, CarBody.
     pub struct SpringMaterial {
         /// Young's modulus \[Pa\].

@@ -45,7 +45,7 @@ record! {
     then half_spaces
 }
 
-/// Rapier has no forces on what has no end, and panics where it meets some other shapes.
+/// Rapier has no forces on what has no end, and panics where it meets voxels.
 fn half_spaces(body: &Rigid, node: &Node, d: &mut Decoder) -> Option<()> {
     let endless = |shape: &Shape| matches!(shape, Shape::HalfSpace { .. });
     let any = |c: &Collider| match &c.shape {

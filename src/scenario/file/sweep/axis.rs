@@ -148,6 +148,8 @@ mod tests {
         ] {
             assert!(bad.parse::<SweepAxis>().is_err(), "{bad}");
         }
+        let named = "speed=1,x".parse::<SweepAxis>().unwrap_err();
+        assert_eq!(named, AxisError::Number("speed".into(), "x".into()));
     }
 
     #[test]

@@ -128,7 +128,7 @@ impl<const NEWTON: bool> Vector for F16<NEWTON> {
         unsafe { aside512(aside) }
     }
 
-    /// By Newton's method from 14 bits: a square root and a division take a Xeon 24 cycles, this takes it 7. Fused products leave
+    /// By Newton's method from 14 bits: a square root and a division take a Xeon 24 cycles, this takes it 10. Fused products leave
     /// remainders exact, so that the last corrections round as they should (Markstein 1990); what the processor estimates makes
     /// no difference. A test compares all mantissas.
     #[inline(always)]
