@@ -62,13 +62,13 @@ pub fn return_map<S: Number>(
 }
 
 /// Work dissipated by a flow \[J\]: the mean of the tension before and after it, times the flow. `last` is what the
-/// tension was before the flow \[N\]. It is taken to have been no farther out than where the flow ended: of slow flows, which begin up to
-/// k times half a digit of the length beyond that, half of this is not booked.
+/// tension was before the flow \[N\]. It is found from a rate, so it is kept to what it can have been: no farther out than the trial, and
+/// on the other side no farther than where the flow ended, so that a flow gives nothing back.
 #[inline(always)]
-pub fn work<S: Number>(last: S, mapped: &Mapped<S>) -> S {
-    let most = mapped.tension.abs();
+pub fn work<S: Number>(last: S, stiffness: S, mapped: &Mapped<S>) -> S {
+    let most = mapped.tension.abs() + stiffness * mapped.flow.abs();
     let last = last.min(most).max(-most);
-    S::of(0.5) * (last + mapped.tension) * mapped.flow
+    (S::of(0.5) * (last + mapped.tension) * mapped.flow).max(S::ZERO)
 }
 
 #[cfg(test)]
@@ -116,12 +116,15 @@ mod tests {
             // As if it had been crushed to that from a metre.
             let before = 1.0 - start;
             let (mut rest, mut flowed) = (start, before);
+            let (mut last, mut dissipated) = (0.0, 0.0);
             let steps = 10_000_000;
             for i in 0..=steps {
                 let length = (f64::from(start) + way * f64::from(i) / f64::from(steps)) as f32;
                 let mapped = return_map(1e4, rest, length - rest, flowed, &law);
                 rest += mapped.flow;
                 flowed += mapped.flow.abs();
+                dissipated += f64::from(work(last, 1e4, &mapped));
+                last = mapped.tension;
             }
             let changed = f64::from((rest - start).abs());
             assert_eq!(f64::from(flowed - before), changed, "{start} by {way}");
@@ -132,6 +135,9 @@ mod tests {
                 exact > 0.0 && (changed - exact).abs() < 1e-4 * exact,
                 "{changed} for {exact}"
             );
+            let exact = changed * (surface + 0.5 * 1e3 * changed);
+            let share = dissipated / exact - 1.0;
+            assert!(share.abs() < 1e-6, "{share} of the work");
         }
     }
 

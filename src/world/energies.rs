@@ -81,7 +81,7 @@ impl Deformable {
             let rate = (self.state.velocity(b) - self.state.velocity(a)).dot(d)
                 / length.max(f64::MIN_POSITIVE);
             let last = stiffness * (elongation - self.h * rate);
-            energies.work.plastic += plastic::work(last, &mapped);
+            energies.work.plastic += plastic::work(last, stiffness, &mapped);
             energies.kinetic -= lead * mapped.tension * rate;
         }
         energies

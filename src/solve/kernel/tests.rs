@@ -321,6 +321,46 @@ fn the_random_nets_yield_and_break() {
     assert!(broke > 5 && end.events.len() > broke + 20, "{broke}");
 }
 
+/// Flows that fall short of the last digit of rest lengths wait there, alike in every kernel.
+#[test]
+fn slow_flows_wait_for_a_digit_in_every_kernel() {
+    let kind = Kind {
+        nodes: 60,
+        springs: 240,
+        damped: true,
+        limited: true,
+    };
+    let (springs, state) = net(kind, 11);
+    let run = |kernel: Option<Kernel>| {
+        let mut state = state.clone();
+        let mut solver = Solver::new(&springs, &state);
+        match kernel {
+            Some(kernel) => solver.kernel = kernel,
+            None => solver.table.rows = Rows::Never,
+        }
+        let mut flowed = vec![0; springs.len()];
+        for _ in 0..200 {
+            let before = state.flow.clone();
+            solver.substep(&mut state, Integrator::SymplecticEuler, 1e-8);
+            assert_copies_agree(&solver, &state);
+            for (i, times) in flowed.iter_mut().enumerate() {
+                *times += u32::from(state.flow[i] != before[i]);
+            }
+        }
+        let plastic = solver.work.plastic;
+        (outcome(&solver, &state), flowed, plastic)
+    };
+    let (reference, flowed, work) = run(None);
+    let slow = flowed.iter().filter(|n| (5..100).contains(*n)).count();
+    assert!(slow > 20, "{slow}");
+    for kernel in KERNELS {
+        let (outcome, again, other) = run(Some(kernel));
+        assert!(outcome == reference, "{}", kernel.name());
+        assert_eq!(again, flowed);
+        assert!((other - work).abs() < 1e-5 * work, "{other} {work}");
+    }
+}
+
 #[test]
 fn a_node_force_is_applied_by_every_kernel() {
     let (springs, state) = net(SWINGING, 5);
