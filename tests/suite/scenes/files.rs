@@ -339,6 +339,40 @@ fn a_checked_scene_can_be_built() {
     std::fs::remove_dir_all(dir).unwrap();
 }
 
+/// What files of meshes, and factors on heights, put too far out is named.
+#[test]
+fn nothing_lies_farther_out_than_digits_reach() {
+    let dir = folder("far");
+    let file = dir.join("far.ron");
+    std::fs::write(
+        dir.join("far.obj"),
+        "v 0 0 0\nv 1 0 0\nv 0 1 2e30\nf 1 2 3\n",
+    )
+    .unwrap();
+    let ground = |shape: &str| {
+        format!("rigid: [ (name: \"ground\", kind: Fixed, colliders: [ (shape: {shape}) ]) ]")
+    };
+    let block = "(name: \"block\", body: Lattice(size: (3e6, 1, 1), cell: 1e5), material: Rubber)";
+    for (what, words) in [
+        (
+            ground("TriMesh(File(\"far.obj\"))"),
+            "`ground`: point 3 of its mesh is (0, 1, 2000",
+        ),
+        (
+            ground("HeightField(heights: [[0, 1e3], [0, 1]], size: (1, 2e3, 1))"),
+            "more than 1e6 m",
+        ),
+        (format!("deformables: [ {block} ]"), "at most 1e6 m"),
+    ] {
+        std::fs::write(&file, format!("( world: (duration: 0.1), {what} )")).unwrap();
+        let output = crumple(&["check", file.to_str().unwrap()]);
+        let shown = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{shown}");
+        assert!(shown.contains(words), "{shown}");
+    }
+    std::fs::remove_dir_all(dir).unwrap();
+}
+
 #[test]
 fn the_reference_is_printed() {
     let all = text(&crumple(&["keys"]).stdout);

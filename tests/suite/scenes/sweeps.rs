@@ -62,6 +62,15 @@ fn a_killed_sweep_goes_on_where_it_was() {
         "{csv}"
     );
     assert_eq!(csv.lines().count(), 25);
+    // Digit for digit what the runs have written.
+    let lines = std::fs::read_to_string(whole.join("merged.jsonl")).unwrap();
+    for (row, line) in csv.lines().skip(1).zip(lines.lines()) {
+        let mut measured = row.split(',').filter(|number| number.contains('.'));
+        assert!(
+            measured.all(|number| line.contains(number)),
+            "{row} of {line}"
+        );
+    }
 
     // Another sweep does not go into the same folder.
     let output = Command::new(env!("CARGO_BIN_EXE_crumple"))

@@ -13,10 +13,11 @@ mod soft_bodies;
 mod terrain;
 
 use super::super::{Cast, Options, Run};
+use super::check::FARTHEST;
 use super::model::{Scenario, Scheme, Substepping};
 use crate::body::BuildError;
 use crate::import::ImportError;
-use crate::math::{Pose, Real, Vector};
+use crate::math::{DVec3, Pose, Real, Vector, wide};
 use crate::record::{RecordError, SignalError};
 use crate::solve::Integrator;
 use crate::world::{AttachError, DeformableWorld, Substeps};
@@ -43,6 +44,19 @@ pub enum RunError {
         name: String,
         /// Why.
         source: Box<ImportError>,
+    },
+    /// A point of a file of a mesh lies too far out.
+    #[error(
+        "`{name}`: point {} of its mesh is ({}, {}, {}), it must be at most 1e6 m from 0 along every axis",
+        point + 1, at.x, at.y, at.z
+    )]
+    Far {
+        /// The body that wants it.
+        name: String,
+        /// Which point, counted from 0.
+        point: usize,
+        /// Where it is \[m\].
+        at: DVec3,
     },
     /// A collider's shape can't be made.
     #[error("a collider of `{name}`: {what}")]
@@ -237,7 +251,11 @@ pub(super) fn surface(
     };
     match mesh {
         Mesh::Hatchback => crate::import::hatchback().map_err(failed),
-        Mesh::File(path) => crate::import::obj::load(path).map_err(failed),
+        Mesh::File(path) => {
+            let surface = crate::import::obj::load(path).map_err(failed)?;
+            within_reach(surface.vertices.iter().map(|v| wide(*v)), name)?;
+            Ok(surface)
+        }
         Mesh::Ball {
             radius,
             around,
@@ -262,8 +280,25 @@ pub(super) fn tets(path: &PathBuf, name: &str) -> Result<crate::body::TetMesh, R
         true => crate::import::msh::load(path),
         false => crate::import::tetgen::load(path),
     };
-    mesh.map_err(|source| RunError::Mesh {
+    let mesh = mesh.map_err(|source| RunError::Mesh {
         name: name.into(),
         source: Box::new(source),
+    })?;
+    within_reach(mesh.nodes.iter().copied(), name)?;
+    Ok(mesh)
+}
+
+/// Points of files, which no key bounds.
+fn within_reach(points: impl Iterator<Item = DVec3>, name: &str) -> Result<(), RunError> {
+    // NaN is refused as the mesh is read.
+    let mut far = points
+        .enumerate()
+        .filter(|(_, p)| p.abs().max_element() > FARTHEST);
+    far.next().map_or(Ok(()), |(point, at)| {
+        Err(RunError::Far {
+            name: name.into(),
+            point,
+            at,
+        })
     })
 }

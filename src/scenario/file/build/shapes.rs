@@ -1,5 +1,6 @@
 //! Shapes of colliders.
 
+use super::super::check::FARTHEST;
 use super::super::model::shape::Placed;
 use super::super::model::{Axis, Mesh, Shape};
 use super::terrain::terrain;
@@ -73,7 +74,7 @@ pub(super) fn shape(shape: &Shape, name: &str) -> Result<SharedShape, RunError> 
             let made = SharedShape::trimesh(mesh.vertices, mesh.triangles);
             made.map_err(|_| wrong("Rapier can't make a mesh of these triangles"))?
         }
-        Shape::HeightField { heights, size } => field(heights, *size),
+        Shape::HeightField { heights, size } => field(heights, *size).map_err(wrong)?,
         Shape::Terrain {
             height,
             size,
@@ -107,15 +108,18 @@ fn cuboid(half: Vector, border: Real) -> SharedShape {
     }
 }
 
-fn field(heights: &[Vec<f64>], size: [f64; 3]) -> SharedShape {
+fn field(heights: &[Vec<f64>], size: [f64; 3]) -> Result<SharedShape, &'static str> {
     let (rows, columns) = (heights.len(), heights.first().map_or(0, Vec::len));
     let mut array = Array2::repeat(rows, columns, 0.0);
     for (i, row) in heights.iter().enumerate() {
         for (j, height) in row.iter().enumerate() {
+            if (height * size[1]).abs() > FARTHEST {
+                return Err("a height times the factor on heights is more than 1e6 m");
+            }
             array[(i, j)] = *height as Real;
         }
     }
-    SharedShape::heightfield(array, vector(size))
+    Ok(SharedShape::heightfield(array, vector(size)))
 }
 
 /// Hulls and decompositions panic where points are almost in a plane, so close to it that no test beforehand tells all of

@@ -1,7 +1,8 @@
 //! Deformables and what holds them.
 
 use super::super::check::{
-    BODY, COUNT, DEFORMABLE, FINITE, LESS_THAN_ALL, Length, NOT_NEGATIVE, POINT, POSITIVE, STRENGTH,
+    BODY, COUNT, DEFORMABLE, FINITE, LESS_THAN_ALL, Length, NOT_NEGATIVE, POINT, POSITIVE, SIZE,
+    STRENGTH,
 };
 use super::super::decode::{Decode, Decoder};
 use super::super::formula::Formula;
@@ -122,18 +123,18 @@ choice! {
         /// A box of springs about the origin, with Poisson's ratio ¼.
         Lattice {
             /// Its sides \[m\].
-            size: [f64; 3], POSITIVE;
+            size: [f64; 3], SIZE;
             /// Side of a cell \[m\].
-            cell: f64, POSITIVE;
+            cell: f64, SIZE;
         };
         /// A sheet of springs in the plane y = 0 about the origin, with Poisson's ratio ⅓.
         Sheet {
             /// Its sides along x and z \[m\].
-            size: [f64; 2], POSITIVE;
+            size: [f64; 2], SIZE;
             /// Nodes along x and z.
             nodes: [usize; 2], COUNT;
             /// Thickness \[m\].
-            thickness: f64, POSITIVE;
+            thickness: f64, SIZE;
             /// Share of the stiffness in springs that keep it from folding.
             bending: f64 = 0.1, LESS_THAN_ALL;
         };
@@ -153,7 +154,7 @@ choice! {
             /// The surface.
             mesh: Mesh;
             /// Side of a cell \[m\].
-            cell: f64, POSITIVE;
+            cell: f64, SIZE;
         };
         /// Nodes and springs one by one.
         Net {
@@ -167,9 +168,9 @@ choice! {
         /// A box of tets about the origin.
         TetBox {
             /// Its sides \[m\].
-            size: [f64; 3], POSITIVE;
+            size: [f64; 3], SIZE;
             /// Side of a cell \[m\].
-            cell: f64, POSITIVE;
+            cell: f64, SIZE;
             /// How cells are cut.
             split: Split = Split::Five;
             /// Whether tets have ten nodes.
@@ -180,7 +181,7 @@ choice! {
             /// The surface.
             mesh: Mesh;
             /// Size of the tets \[m\].
-            cell: f64, POSITIVE;
+            cell: f64, SIZE;
             /// Whether tets have ten nodes.
             quadratic: bool = false;
         };
