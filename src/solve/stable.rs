@@ -251,8 +251,15 @@ impl<S: Scalar> Solver<S> {
         }
         let mut worst = (f64::INFINITY, (-1.0, -1.0));
         let mut largest = 0.0_f64;
+        // Of a node with no more of anything than another has nothing is to be learned. Most are so, and numbers need not be widened
+        // to see it.
+        let mut seen = [-S::ONE; 3];
         let nodes = state.particles.iter().zip(rates);
         for (p, rates) in nodes.filter(|(p, _)| p.inv_mass > S::ZERO) {
+            let own = [rates.stiff(), rates.damp(), p.inv_mass];
+            if own.iter().zip(&seen).all(|(own, seen)| own <= seen) {
+                continue;
+            }
             let k = rates.stiff().f64() + elastic.largest;
             let c = rates.damp().f64() + drag * p.inv_mass.f64() + viscous.largest;
             largest = largest.max(k);
@@ -266,6 +273,7 @@ impl<S: Scalar> Solver<S> {
                 };
                 if h < worst.0 {
                     worst = (h, (k, c));
+                    seen = own;
                 }
             }
         }

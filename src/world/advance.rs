@@ -75,7 +75,7 @@ impl Advance {
             let (needed, stale) = group_substeps(group, report, left, self.frame);
             let needed = needed.max(turns);
             let reviews = (left / self.review_interval - 1e-6).ceil() as usize;
-            let n = needed.div_ceil(reviews.min(needed / 8).max(1));
+            let n = needed.div_ceil(reviews.min(needed / BETWEEN_REVIEWS).max(1));
             let h = left / needed as f64;
             let n = n.min((stale / h) as usize).max(1);
             match last {
@@ -108,6 +108,9 @@ impl Advance {
         *odd = parity != self.parity;
     }
 }
+
+/// The fewest substeps between two looks at the stable one in a rigid step, if it has so many: a look takes as long as three of them.
+const BETWEEN_REVIEWS: usize = 16;
 
 /// A rigid step has hardly fewer substeps.
 const FEW_SUBSTEPS: usize = 4;
