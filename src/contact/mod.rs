@@ -1,6 +1,7 @@
 //! Contact of deformables with Rapier's colliders: which colliders can be met, how far a point is from each, and the rows
 //! that follow. And contact of deformables with each other.
 
+pub mod beside;
 pub mod candidates;
 pub mod closest;
 pub mod cone;

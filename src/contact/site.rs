@@ -1,5 +1,6 @@
 //! Where rows come from and go: the body, the collider's shadow, what is near enough, and the rows of the group.
 
+use super::beside::Beside;
 use super::target::Frame;
 use crate::body::Binding;
 use crate::body::state::State;
@@ -135,6 +136,8 @@ pub struct Site<'a> {
     pub rows: &'a mut Rows,
     /// What is near enough.
     pub reach: Reach,
+    /// What else the body can touch.
+    pub beside: Beside<'a>,
 }
 
 impl Site<'_> {

@@ -95,30 +95,30 @@ struct Making<'a, 's> {
 
 impl Making<'_, '_> {
     /// The row of a node at a place of the collider's frame, at this distance and with this normal, if it can touch.
-    fn node(&mut self, i: u32, place: DVec3, (distance, mut normal): (f64, DVec3)) {
+    fn node(&mut self, i: u32, place: DVec3, nearest: (f64, DVec3)) {
+        let key = [0, i, 0];
+        let last = self.touches.last(key).copied();
+        let (distance, mut normal) = self.way_out(place, nearest, last);
         let Self {
             solid,
             target,
             frame,
             roll,
             have_features,
-            ref mut site,
             ..
         } = *self;
         let mut depth = target.skin - distance;
-        let arm = frame.axes * place + (frame.position - site.shadow.com);
-        let slip = site.side.state.velocity(i as usize) - site.shadow.velocity_at(arm);
-        if depth < -site.reach.farthest {
+        let arm = frame.axes * place + (frame.position - self.site.shadow.com);
+        let slip = self.site.side.state.velocity(i as usize) - self.site.shadow.velocity_at(arm);
+        if depth < -self.site.reach.farthest {
             return;
         }
-        let gain = site.side.gain(i, site.reach.h);
-        if depth < -site.reach.at(slip.length() + gain.length()) {
+        let gain = self.site.side.gain(i, self.site.reach.h);
+        if depth < -self.site.reach.at(slip.length() + gain.length()) {
             return;
         }
-        let key = [0, i, 0];
-        let last = self.touches.last(key).copied();
         let same_face = |touch: Touch| normal.dot(touch.normal) > PLANE;
-        let is_shallow = depth <= site.reach.shallow();
+        let is_shallow = depth <= self.site.reach.shallow();
         if have_features && is_shallow && !last.is_some_and(same_face) {
             let pushed = Pushed {
                 place,
@@ -127,18 +127,18 @@ impl Making<'_, '_> {
                 skin: target.skin,
                 touched: last.is_some(),
             };
-            let around = || site.side.around(i, frame);
-            let velocity = site.side.state.velocity(i as usize);
-            let way = |point| site.way(velocity, frame, point);
-            let turn = frame.axes.transpose() * roll.turn(site.reach.h);
-            if pushed.lies_beside(solid, &site.reach, around, (way, turn)) {
+            let around = || self.site.side.around(i, frame);
+            let velocity = self.site.side.state.velocity(i as usize);
+            let way = |point| self.site.way(velocity, frame, point);
+            let turn = frame.axes.transpose() * roll.turn(self.site.reach.h);
+            if pushed.lies_beside(solid, &self.site.reach, around, (way, turn)) {
                 return;
             }
         }
         let fresh = last.is_none_or(|touch| normal.dot(touch.normal) < SAME);
-        if fresh && depth < site.reach.touching {
-            let motion = frame.axes.transpose() * (slip + gain) * site.reach.h;
-            if misses(solid, place, motion, -depth, normal, &site.reach) {
+        if fresh && depth < self.site.reach.touching {
+            let motion = frame.axes.transpose() * (slip + gain) * self.site.reach.h;
+            if self.misses(i, place, motion, (-depth, normal)) {
                 return;
             }
         }
@@ -156,7 +156,7 @@ impl Making<'_, '_> {
             drift: DVec3::ZERO,
         });
         self.touches
-            .found(key, site.rows.contacts.len(), normal, hold);
+            .found(key, self.site.rows.contacts.len(), normal, hold);
         let (normal_impulse, friction_impulse) =
             last.map_or(Default::default(), |touch| touch.impulse);
         let outward = frame.axes * normal;
@@ -168,9 +168,102 @@ impl Making<'_, '_> {
             normal_impulse,
             friction_impulse,
             drift: frame.axes * along(place - hold.anchor, normal),
-            ..target.row(Default::default(), self.pair, site.reach.h)
+            ..target.row(Default::default(), self.pair, self.site.reach.h)
         };
-        add(i, target, row, site);
+        add(i, target, row, self.site);
+    }
+
+    /// How far a node is from the surface, and the normal there. By an edge, where rounding alone tells which face is nearest, it is that
+    /// of the face that the node touched last, and no face where the way out ends in what lies flush beside the solid: on a
+    /// joint of two tiles a node is not between them.
+    fn way_out(&self, place: DVec3, nearest: (f64, DVec3), last: Option<Touch>) -> (f64, DVec3) {
+        let Site { reach, beside, .. } = &*self.site;
+        let touched = |normal: DVec3| last.is_some_and(|touch| normal.dot(touch.normal) > SAME);
+        let is_same = last.is_none() || touched(nearest.1);
+        if nearest.0 >= reach.touching || (is_same && beside.is_empty()) {
+            return nearest;
+        }
+        let is_near = |height: f64, normal: DVec3| height >= -reach.shallow() || touched(normal);
+        let mut near = 0;
+        let mut kept = None;
+        self.solid.exits(place, &mut |height, normal| {
+            near += usize::from(is_near(height, normal));
+            if !is_same && touched(normal) && height >= -reach.touching {
+                kept = Some((height, normal));
+            }
+        });
+        let is_open = |way: &(f64, DVec3)| !self.is_hidden(place, *way);
+        if near < 2 {
+            return nearest;
+        }
+        if let Some(kept) = kept.filter(is_open) {
+            return kept;
+        }
+        if is_open(&nearest) {
+            return nearest;
+        }
+        let mut best: Option<(f64, DVec3)> = None;
+        self.solid.exits(place, &mut |height, normal| {
+            let nearer = best.is_none_or(|best| height > best.0);
+            if nearer && is_near(height, normal) && is_open(&(height, normal)) {
+                best = Some((height, normal));
+            }
+        });
+        best.unwrap_or(nearest)
+    }
+
+    /// Whether a way out, at this height over a surface with this normal, ends in what lies beside the solid.
+    fn is_hidden(&self, place: DVec3, (height, normal): (f64, DVec3)) -> bool {
+        let seam = self.site.reach.touching;
+        let end = place + normal * (seam - height);
+        self.site.beside.covers(self.frame, end, 0.5 * seam)
+    }
+
+    /// Whether a node that would go through the tangent plane of the nearest point, `gap` m away, goes past the solid instead, or
+    /// over its edge: a plane has no end, but a plate has. One that comes down just on the edge meets it if something of its body is
+    /// over the plate, or the face along which it would go past is hidden; but a node that slides over a joint between two
+    /// boxes, a nanometre too low, does not meet the side of the next one, which is hidden too.
+    fn misses(&self, i: u32, place: DVec3, motion: DVec3, (gap, normal): (f64, DVec3)) -> bool {
+        let Self {
+            solid,
+            target,
+            frame,
+            site,
+            ..
+        } = self;
+        let Reach {
+            touching, slack, ..
+        } = site.reach;
+        let length = motion.length();
+        if length <= 0.0 || length.is_nan() {
+            return false;
+        }
+        let way = motion * (20.0 * touching / length).max(1.0);
+        let closing = -way.dot(normal);
+        if gap > closing {
+            return false;
+        }
+        let (nearest, there) = solid.nearest_on_path(place, place + way);
+        let nearest = nearest - target.skin;
+        if nearest > slack {
+            return true;
+        }
+        if nearest <= -touching || there.dot(normal) >= SAME {
+            return false;
+        }
+        let entry = if closing > 0.0 {
+            place + way * (gap / closing).max(0.0)
+        } else {
+            place
+        };
+        let covered = |off: DVec3| site.beside.covers(frame, entry + off, 0.5 * touching);
+        if covered(normal * (2.0 * touching)) {
+            return true;
+        }
+        let over = |direction: DVec3| direction.dot(there) < -INWARD;
+        let is_met =
+            site.side.around(i, frame).any(over) || covered((there - normal) * (2.0 * touching));
+        !is_met
     }
 }
 
@@ -180,30 +273,8 @@ const SAME: f64 = 0.7;
 /// Cosine of an angle within which two normals are of one flat face.
 const PLANE: f64 = 1.0 - 1e-12;
 
-/// Whether a node that would go through the tangent plane of the nearest point, `gap` m away, goes past the solid instead, or
-/// over its edge: a plane has no end, but a plate has, and a node that slides over a joint between two boxes, a nanometre
-/// too low, does not meet the side of the next one.
-fn misses(
-    solid: &Solid,
-    place: DVec3,
-    motion: DVec3,
-    gap: f64,
-    normal: DVec3,
-    reach: &Reach,
-) -> bool {
-    let length = motion.length();
-    if length <= 0.0 || length.is_nan() {
-        return false;
-    }
-    let way = motion * (20.0 * reach.touching / length).max(1.0);
-    if gap + way.dot(normal) > 0.0 {
-        return false;
-    }
-    let skin = solid.signed_distance(place).0 - gap;
-    let (nearest, there) = solid.nearest_on_path(place, place + way);
-    let nearest = nearest - skin;
-    nearest > reach.slack || (nearest > -reach.touching && there.dot(normal) < SAME)
-}
+/// The sine by which what is beside a node goes behind a face at least to be behind it.
+const INWARD: f64 = 0.1;
 
 /// Whether any of the points, given with their velocities in the solid's frame, meets the solid faster than `threshold` m/s
 /// within `time` s, being `skin` m thick.

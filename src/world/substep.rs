@@ -10,6 +10,7 @@ use super::touch::PairSum;
 use super::work::HalfKick;
 use super::{Deformable, DeformableHandle, meet};
 use crate::body::SpringId;
+use crate::contact::beside::Beside;
 use crate::contact::candidates::Candidates;
 use crate::contact::encounter::Encounter;
 use crate::contact::site::{Reach, Site};
@@ -192,7 +193,9 @@ impl Group {
             body.follow();
             let (speed, moved) = (body.fastest(), body.moved);
             let (side, slots) = body.side(m);
-            for c in candidates.iter_mut() {
+            for i in 0..candidates.len() {
+                let (before, rest) = candidates.split_at_mut(i);
+                let [c, after @ ..] = rest else { continue };
                 let shadow = &self.shadows[c.target.shadow as usize];
                 let closing = h * (speed + c.target.speed(shadow));
                 most = most.max(closing);
@@ -209,6 +212,10 @@ impl Group {
                     slots,
                     rows: &mut self.rows,
                     reach,
+                    beside: Beside {
+                        others: [before, after],
+                        shadows: &self.shadows,
+                    },
                 };
                 c.find_rows(site, moved, closing, s.near);
             }

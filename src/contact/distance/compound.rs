@@ -329,7 +329,7 @@ fn turned(axes: &DMat3, position: DVec3, (lo, hi): (DVec3, DVec3)) -> (DVec3, DV
 
 impl Solid {
     /// Every face of a solid as seen from a point: its height over it and the outward normal.
-    fn exits(&self, p: DVec3, f: &mut dyn FnMut(f64, DVec3)) {
+    pub fn exits(&self, p: DVec3, f: &mut dyn FnMut(f64, DVec3)) {
         let mut f = |height: f64, normal: DVec3| f(height - self.radius, normal);
         match &self.core {
             Core::Cuboid(half) => {

@@ -32,7 +32,20 @@ fn floors() -> Vec<(&'static str, Vec<ColliderBuilder>)> {
     let t_junction = [unshared.clone(), middle].concat();
     let halves = vec![[4, 9, 5], [4, 8, 9], [8, 6, 9], [8, 7, 6]];
     let both = [faces.clone(), vec![[4, 6, 5], [4, 7, 6]]].concat();
+    let v = Vector::new;
+    let tile = |x: f32| ColliderBuilder::cuboid(0.5, 0.1, 0.5).translation(v(x, -0.1, 0.0));
+    let hull = |x: f32| {
+        let corners = super::corners(v(x, -0.2, -0.5), v(x + 1.0, 0.0, 0.5));
+        ColliderBuilder::convex_hull(&corners).unwrap()
+    };
     vec![
+        ("two boxes", vec![tile(-0.5), tile(0.5)]),
+        ("boxes apart", vec![tile(-0.500_001), tile(0.500_001)]),
+        ("two hulls", vec![hull(-1.0), hull(0.0)]),
+        (
+            "a box and a mesh",
+            vec![tile(-0.5), mesh(squares()[1].clone(), faces.clone())],
+        ),
         ("two meshes", two.to_vec()),
         ("triangles", triangles.collect()),
         ("unshared vertices", vec![mesh(unshared, both)]),
@@ -76,5 +89,82 @@ fn ropes_lie_on_seams() {
                 assert!(lowest > -1e-3, "{name} on {floor}: at {lowest} m");
             }
         }
+    }
+}
+
+/// Drops a block of 0.2 m in cells of 0.1 m by `drop` m on boxes given by their middles and half sizes; how high its lower side bounces,
+/// and what being moved out gave it \[J\].
+fn bounce(boxes: &[(Vector, Vector)], drop: f32) -> (f64, f64) {
+    let mut world = PhysicsWorld::default();
+    for (middle, half) in boxes {
+        let body = RigidBodyBuilder::fixed().translation(*middle);
+        world.insert(body, ColliderBuilder::cuboid(half.x, half.y, half.z));
+    }
+    let mut deformables = DeformableWorld::default();
+    let block = DeformableBuilder::new(lattice(Vector::splat(0.2), 0.1))
+        .material(Material::elastic(1.0e6, 1000.0).viscosity(200.0))
+        .translation(Vector::Y * (0.1 + drop));
+    let block = deformables.insert(block).unwrap();
+    let mut highest = 0.0_f64;
+    let mut has_struck = false;
+    for _ in 0..60 {
+        deformables.step(&mut world);
+        let body = &deformables[block];
+        has_struck |= body.linvel().y > 0.0;
+        if has_struck {
+            highest = highest.max(body.center_of_mass().y - 0.1);
+        }
+    }
+    (highest, deformables[block].energies().work.push_out)
+}
+
+/// A node over a joint of tiles, or over the rim of what is as large as the block, touches as any other does.
+#[test]
+fn a_block_bounces_off_tiles_as_off_one_floor() {
+    let v = Vector::new;
+    let floor = [(v(0.0, -0.1, 0.0), v(2.0, 0.1, 2.0))];
+    let halves = [-1.0, 1.0].map(|x| (v(x, -0.1, 0.0), v(1.0, 0.1, 2.0)));
+    let tiles: Vec<_> = (-4..4)
+        .flat_map(|i| (-4..4).map(move |j| [i, j].map(|k| 0.05 + 0.1 * k as f32)))
+        .map(|[x, z]| (v(x, -0.1, z), v(0.05, 0.1, 0.05)))
+        .collect();
+    let equal = [(v(0.0, -0.1, 0.0), Vector::splat(0.1))];
+    for drop in [0.02, 0.2, 0.5] {
+        let (wanted, _) = bounce(&floor, drop);
+        let brought = 8.0 * 9.81 * f64::from(drop);
+        for (name, boxes) in [
+            ("two halves", &halves[..]),
+            ("tiles", &tiles),
+            ("an equal block", &equal),
+        ] {
+            let (highest, pushed) = bounce(boxes, drop);
+            let share = highest / wanted - 1.0;
+            assert!(share.abs() < 0.05, "{name} from {drop} m: {share}");
+            let pushed = pushed.abs() / brought;
+            assert!(pushed < 2e-3, "{name} from {drop} m: {pushed}");
+        }
+    }
+}
+
+/// What falls along the side of a box, flush with it, does not catch on its rim.
+#[test]
+fn a_block_falls_flush_beside_a_box() {
+    for apart in [0.0, 1e-6, -1e-6] {
+        let beside = [(Vector::new(-0.2 - apart, -0.2, 0.0), Vector::splat(0.1))];
+        let (_, pushed) = bounce(&beside, 0.1);
+        assert!(pushed.abs() < 1e-3, "{apart}: {pushed}");
+        let mut world = PhysicsWorld::default();
+        let (middle, half) = beside[0];
+        let body = RigidBodyBuilder::fixed().translation(middle);
+        world.insert(body, ColliderBuilder::cuboid(half.x, half.y, half.z));
+        let mut deformables = DeformableWorld::default();
+        let block = DeformableBuilder::new(lattice(Vector::splat(0.2), 0.1))
+            .material(Material::elastic(1.0e6, 1000.0).viscosity(200.0));
+        let block = deformables.insert(block.friction(0.0)).unwrap();
+        for _ in 0..60 {
+            deformables.step(&mut world);
+        }
+        let fallen = -deformables[block].center_of_mass().y;
+        assert!((fallen / 4.905 - 1.0).abs() < 0.02, "{apart}: {fallen}");
     }
 }
