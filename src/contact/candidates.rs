@@ -98,12 +98,16 @@ impl Candidates {
     }
 
     /// Takes in that the collider has moved to where its shadow stands.
-    fn follow(&mut self, shadow: &Shadow) -> Frame {
+    pub fn follow(&mut self, shadow: &Shadow) {
         let now = self.target.frame(shadow);
         if let Some(last) = self.frame.replace(now) {
             self.way += last.distance(&now, self.target.extent);
         }
-        now
+    }
+
+    /// The collider's frame when it was last followed.
+    pub fn frame(&self) -> Option<&Frame> {
+        self.frame.as_ref()
     }
 
     /// Puts the lists by for the next step.
@@ -112,10 +116,10 @@ impl Candidates {
         self.edits = edits;
     }
 
-    /// Adds the rows of this substep to those of the group. In the last one nodes moved by up to `moved` m, in this one
-    /// nodes and collider may come nearer by `closing` m. Whatever lies within `near` m stays in the lists of soups.
+    /// Adds the rows of this substep to those of the group, once it has followed the collider. In the last one nodes moved by up to
+    /// `moved` m, in this one nodes and collider may come nearer by `closing` m. Whatever lies within `near` m stays in the lists of soups.
     pub fn find_rows(&mut self, mut site: Site, moved: f64, closing: f64, near: f64) {
-        let frame = self.follow(site.shadow);
+        let Some(frame) = self.frame else { return };
         self.way += moved;
         let farthest = site.reach.farthest.max(near);
         self.nodes

@@ -1,5 +1,6 @@
 //! Nodes near a solid, and their rows.
 
+use super::beside::SAME;
 use super::cone::Pushed;
 use super::distance::Solid;
 use super::nodes::add;
@@ -192,37 +193,34 @@ impl Making<'_, '_> {
                 kept = Some((height, normal));
             }
         });
-        let is_open = |way: &(f64, DVec3)| !self.is_hidden(place, *way);
         if near < 2 {
             return nearest;
         }
+        let is_open = |way: &(f64, DVec3)| !beside.hides(self.frame, place, *way);
         if let Some(kept) = kept.filter(is_open) {
             return kept;
         }
         if is_open(&nearest) {
             return nearest;
         }
-        let mut best: Option<(f64, DVec3)> = None;
+        // The nearest that is open, or where none is, as at the foot of a box, the one that has most room.
+        let mut best = (beside.room(self.frame, place, nearest), nearest);
         self.solid.exits(place, &mut |height, normal| {
-            let nearer = best.is_none_or(|best| height > best.0);
-            if nearer && is_near(height, normal) && is_open(&(height, normal)) {
-                best = Some((height, normal));
+            if is_near(height, normal) {
+                let room = beside.room(self.frame, place, (height, normal));
+                let room = room.min(0.5 * reach.touching);
+                if room > best.0 || (room == best.0 && height > best.1.0) {
+                    best = (room, (height, normal));
+                }
             }
         });
-        best.unwrap_or(nearest)
-    }
-
-    /// Whether a way out, at this height over a surface with this normal, ends in what lies beside the solid.
-    fn is_hidden(&self, place: DVec3, (height, normal): (f64, DVec3)) -> bool {
-        let seam = self.site.reach.touching;
-        let end = place + normal * (seam - height);
-        self.site.beside.covers(self.frame, end, 0.5 * seam)
+        best.1
     }
 
     /// Whether a node that would go through the tangent plane of the nearest point, `gap` m away, goes past the solid instead, or
-    /// over its edge: a plane has no end, but a plate has. One that comes down just on the edge meets it if something of its body is
-    /// over the plate, or the face along which it would go past is hidden; but a node that slides over a joint between two
-    /// boxes, a nanometre too low, does not meet the side of the next one, which is hidden too.
+    /// over its edge: a plane has no end, but a plate has. One that comes down just on the edge goes past if there is room there and
+    /// nothing of its body is over the plate; a node that slides over a joint between two boxes, a nanometre too low, does not
+    /// meet the side of the next one, which is hidden by the first.
     fn misses(&self, i: u32, place: DVec3, motion: DVec3, (gap, normal): (f64, DVec3)) -> bool {
         let Self {
             solid,
@@ -256,19 +254,18 @@ impl Making<'_, '_> {
         } else {
             place
         };
-        let covered = |off: DVec3| site.beside.covers(frame, entry + off, 0.5 * touching);
-        if covered(normal * (2.0 * touching)) {
-            return true;
+        let most = 0.5 * touching;
+        let is_filled = |to: DVec3| {
+            let point = entry + to * (2.0 * touching);
+            !site.beside.is_empty() && site.beside.distance(frame, point, most) < most
+        };
+        if is_filled(there - normal) {
+            return false;
         }
-        let over = |direction: DVec3| direction.dot(there) < -INWARD;
-        let is_met =
-            site.side.around(i, frame).any(over) || covered((there - normal) * (2.0 * touching));
-        !is_met
+        let is_over = |direction: DVec3| direction.dot(there) < -INWARD;
+        is_filled(normal) || !site.side.around(i, frame).any(is_over)
     }
 }
-
-/// Cosine of an angle within which two normals are of one face.
-const SAME: f64 = 0.7;
 
 /// Cosine of an angle within which two normals are of one flat face.
 const PLANE: f64 = 1.0 - 1e-12;

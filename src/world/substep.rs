@@ -193,6 +193,9 @@ impl Group {
             body.follow();
             let (speed, moved) = (body.fastest(), body.moved);
             let (side, slots) = body.side(m);
+            for c in candidates.iter_mut() {
+                c.follow(&self.shadows[c.target.shadow as usize]);
+            }
             for i in 0..candidates.len() {
                 let (before, rest) = candidates.split_at_mut(i);
                 let [c, after @ ..] = rest else { continue };
@@ -214,7 +217,7 @@ impl Group {
                     reach,
                     beside: Beside {
                         others: [before, after],
-                        shadows: &self.shadows,
+                        touching: s.touching,
                     },
                 };
                 c.find_rows(site, moved, closing, s.near);

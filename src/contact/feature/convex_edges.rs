@@ -88,10 +88,6 @@ impl Making<'_, '_> {
             if at_end && (c.edge == ROUND_SIDE || !enters(part, from)) {
                 return;
             }
-            let place = a.lerp(b, c.t) - c.normal * c.distance;
-            if making.is_internal_edge(part, place, (b - a).normalize_or_zero(), c.normal) {
-                return;
-            }
             let key = [p, e, c.edge];
             let depth = making.skin - c.distance;
             let is_deep = depth > making.site.reach.touching && depth <= deepest;
@@ -101,6 +97,7 @@ impl Making<'_, '_> {
             let point = making.across(known, (&nodes, &corners), at, deepest);
             if let Some(point) = point
                 && !making.edge_lies_beside(part, (e, corners), &c, known)
+                && !making.is_internal_edge(part, corners, &c)
             {
                 making.add(key, point);
             }

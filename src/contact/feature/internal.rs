@@ -1,4 +1,5 @@
-//! Edges and corners of a compound's parts that are none of the whole, because other parts go on beside them.
+//! Edges and corners of a compound's parts that are none of the whole, because other parts go on beside them, and those of colliders
+//! that lie flush, as the tiles of a floor do.
 //!
 //! The nodes of a body lie on such a seam as on a plane. Rows of its edges and faces would hold it a second time: where contacts
 //! give, it would sink in by less.
@@ -6,7 +7,7 @@
 use super::making::Making;
 use super::part::Convex;
 use super::sharp::GENTLE;
-use crate::contact::distance::Solid;
+use crate::contact::distance::{Crossing, Solid};
 use crate::contact::form::Form;
 use crate::math::DVec3;
 
@@ -18,57 +19,68 @@ const BESIDE: f64 = 2.0 / GENTLE;
 const SEAM: f64 = 1e-3;
 
 impl Making<'_, '_> {
-    /// Whether a place on an edge of the part is on no edge of the whole: beside it, along what crosses it there, another part goes on
-    /// at the same height or rises.
-    pub(super) fn is_internal_edge(
-        &self,
-        part: &Convex,
-        place: DVec3,
-        across: DVec3,
-        normal: DVec3,
-    ) -> bool {
-        let whole = self.compound();
-        whole.is_some_and(|whole| {
-            let mut sides = [across, -across].into_iter();
-            sides.any(|to| matches!(self.beside(whole, part, place, [to, normal]), Some(false)))
-        })
+    /// Whether the place where an edge crosses one of the part is on no edge of the whole: beside it, along what crosses it there,
+    /// another part goes on at the same height or rises.
+    pub(super) fn is_internal_edge(&self, part: &Convex, [a, b]: [DVec3; 2], c: &Crossing) -> bool {
+        if self.is_alone() {
+            return false;
+        }
+        let place = a.lerp(b, c.t) - c.normal * c.distance;
+        let across = (b - a).normalize_or_zero();
+        let goes_on = |to| self.beside(part, place, [to, c.normal]) == Some(false);
+        [across, -across].into_iter().any(goes_on) || self.is_joint(part, place, c.normal)
     }
 
     /// Whether a corner of the part is none of the whole: other parts go on where its own does not, all around.
     pub(super) fn is_internal_corner(&self, part: &Convex, corner: DVec3, normal: DVec3) -> bool {
+        if self.is_alone() {
+            return false;
+        }
+        if self.is_joint(part, corner, normal) {
+            return true;
+        }
         let (u, v) = normal.any_orthonormal_pair();
-        let whole = self.compound();
-        whole.is_some_and(|whole| {
-            let mut others = false;
-            let mut around = (0..8).map(|i| {
-                let (sin, cos) = (f64::from(i) * std::f64::consts::FRAC_PI_4).sin_cos();
-                cos * u + sin * v
-            });
-            let filled = around.all(|to| {
-                let found = self.beside(whole, part, corner, [to, normal]);
-                others |= found == Some(false);
-                found.is_some()
-            });
-            filled && others
-        })
+        let mut others = false;
+        let mut around = (0..8).map(|i| {
+            let (sin, cos) = (f64::from(i) * std::f64::consts::FRAC_PI_4).sin_cos();
+            cos * u + sin * v
+        });
+        let filled = around.all(|to| {
+            let found = self.beside(part, corner, [to, normal]);
+            others |= found == Some(false);
+            found.is_some()
+        });
+        filled && others
     }
 
     /// Whether it is the part itself that goes on beside a place in some direction; `None` if nothing does.
-    fn beside(
-        &self,
-        whole: &Solid,
-        part: &Convex,
-        place: DVec3,
-        [to, normal]: [DVec3; 2],
-    ) -> Option<bool> {
+    fn beside(&self, part: &Convex, place: DVec3, [to, normal]: [DVec3; 2]) -> Option<bool> {
         let beside = place + self.site.reach.touching * (BESIDE * to - normal);
         // What lies in a seam, to rounding, is on the side of both parts, and not beside both.
         let (distance, _) = part.solid.signed_distance(beside);
         if distance < SEAM * self.site.reach.touching {
             return Some(true);
         }
-        let (distance, _) = whole.signed_distance(part.to_collider(beside));
-        (distance < 0.0).then_some(false)
+        let whole = self.compound();
+        let is_whole = whole.is_some_and(|w| w.signed_distance(part.to_collider(beside)).0 < 0.0);
+        let goes_on = is_whole || self.is_inside_another(beside);
+        goes_on.then_some(false)
+    }
+
+    /// Whether another collider goes on from a place on an edge or a corner of the part.
+    fn is_joint(&self, part: &Convex, place: DVec3, normal: DVec3) -> bool {
+        let beside = &self.site.beside;
+        beside.goes_on(&part.solid, &self.frame, place, normal)
+    }
+
+    /// Whether a place is inside another collider.
+    fn is_inside_another(&self, place: DVec3) -> bool {
+        self.site.beside.distance(&self.frame, place, 0.0) < 0.0
+    }
+
+    /// Whether the part is no part of a compound, and nothing else can be touched.
+    fn is_alone(&self) -> bool {
+        self.compound().is_none() && self.site.beside.is_empty()
     }
 
     /// The whole of which the part is one of several.
