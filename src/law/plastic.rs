@@ -33,7 +33,12 @@ pub struct Mapped<S> {
     pub tension: S,
     /// Plastic change of the rest length \[m\], positive when it grows.
     pub flow: S,
+    /// How far beyond the surface the last flow can have ended: k times half a digit of the length \[N\].
+    pub beyond: S,
 }
+
+/// Half a digit of an `f32`, per number.
+const HALF_DIGIT: f64 = 1.0 / (1 << 24) as f64;
 
 /// Brings the trial tension `k·e` of a spring of this rest length \[m\] that has flowed by `accumulated` ≥ 0 \[m\] back to its yield
 /// surface. It flows by as much as the rest length and the sum of flows have digits for, and ends up to half a digit off the surface: a
@@ -58,16 +63,17 @@ pub fn return_map<S: Number>(
     Mapped {
         tension: trial - stiffness * flow,
         flow,
+        beyond: stiffness * (most * S::of(HALF_DIGIT)),
     }
 }
 
 /// Work dissipated by a flow \[J\]: the mean of the tension before and after it, times the flow. `last` is what the
-/// tension was before the flow \[N\]. It is found from a rate, so it is kept to what it can have been: no farther out than the trial, and
-/// on the other side no farther than where the flow ended, so that a flow gives nothing back.
+/// tension was before the flow \[N\]. It is found from a rate, so it is kept to what it can have been: no farther out than where the flow
+/// ended, but for what the last one left beyond it.
 #[inline(always)]
-pub fn work<S: Number>(last: S, stiffness: S, mapped: &Mapped<S>) -> S {
-    let most = mapped.tension.abs() + stiffness * mapped.flow.abs();
-    let last = last.min(most).max(-most);
+pub fn work<S: Number>(last: S, mapped: &Mapped<S>) -> S {
+    let most = mapped.tension.abs();
+    let last = last.min(most + mapped.beyond).max(-most - mapped.beyond);
     (S::of(0.5) * (last + mapped.tension) * mapped.flow).max(S::ZERO)
 }
 
@@ -123,7 +129,7 @@ mod tests {
                 let mapped = return_map(1e4, rest, length - rest, flowed, &law);
                 rest += mapped.flow;
                 flowed += mapped.flow.abs();
-                dissipated += f64::from(work(last, 1e4, &mapped));
+                dissipated += f64::from(work(last, &mapped));
                 last = mapped.tension;
             }
             let changed = f64::from((rest - start).abs());

@@ -277,7 +277,7 @@ fn pass<S: Scalar, const LIMITED: bool, const COMMIT: bool, const DAMPED: bool>(
                 if mapped.flow != S::ZERO {
                     // The trapezoid, as for every other work: the tension of the last commit follows from the rate.
                     let last = link.stiffness * (elongation - commit.since * rate);
-                    happened.plastic += plastic::work(last, link.stiffness, &mapped).f64();
+                    happened.plastic += plastic::work(last, &mapped).f64();
                     if flows[i] == S::ZERO {
                         events.push(event(false));
                     }

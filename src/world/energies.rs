@@ -81,7 +81,7 @@ impl Deformable {
             let rate = (self.state.velocity(b) - self.state.velocity(a)).dot(d)
                 / length.max(f64::MIN_POSITIVE);
             let last = stiffness * (elongation - self.h * rate);
-            energies.work.plastic += plastic::work(last, stiffness, &mapped);
+            energies.work.plastic += plastic::work(last, &mapped);
             energies.kinetic -= lead * mapped.tension * rate;
         }
         energies
@@ -146,6 +146,7 @@ impl Deformable {
             None => Mapped {
                 tension: law::tension(stiffness, elongation),
                 flow: 0.0,
+                beyond: 0.0,
             },
             Some(limit) => {
                 let y = limit.yields;

@@ -274,7 +274,7 @@ where
             let rate = nodes.rate(&trial, &far, part);
             // The trapezoid, as for every other work: the tension of the last commit follows from the rate.
             let last = stiffness * (trial.elongation - since * rate);
-            add_work::<V>(&mut plastic, plastic::work(last, stiffness, &mapped));
+            add_work::<V>(&mut plastic, plastic::work(last, &mapped));
             let yields = flows & !old_flow.bits_above(V::ZERO);
             if yields | breaks != 0 {
                 let lanes = Lanes {
