@@ -31,13 +31,23 @@ pub const BORDER: f64 = 10.0;
 
 impl Met {
     /// Whether the point is on the border of this face, within `width` m, and well within another one that looks elsewhere: what
-    /// slides over a corner does not meet it with its side.
+    /// slides over a ridge does not meet it with its side. In a fold the point bears on both.
     fn yields_to(&self, other: &Self, width: f64) -> bool {
         other.is_shallow()
             && !other.beside
             && self.normal.dot(other.normal) < 0.7
+            && self.is_ridge_with(other)
             && self.inset() < width
             && self.inset() < other.inset()
+    }
+
+    /// Whether the other face goes on behind this one, as seen from the point.
+    fn is_ridge_with(&self, other: &Self) -> bool {
+        let [own, far] = [self, other].map(|met| {
+            let corners = met.patch.corners();
+            corners.iter().sum::<DVec3>() / corners.len() as f64
+        });
+        (far - own).dot(self.normal) > 0.0
     }
 
     /// Whether it may have come from outside within the substep, or must have at some time.
