@@ -219,7 +219,12 @@ impl DeformableWorld {
                     _ => false,
                 }
         };
-        while let Some((i, _)) = self.attachments.iter().find(|(_, a)| stale(a, self)) {
+        let all = self.attachments.iter();
+        let found: Vec<_> = all
+            .filter(|(_, a)| stale(a, self))
+            .map(|(i, _)| i)
+            .collect();
+        for i in found {
             self.detach(AttachmentHandle(i));
         }
     }

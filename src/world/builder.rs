@@ -141,9 +141,11 @@ impl DeformableBuilder {
     }
 
     /// Lets the skin that a net has for pictures touch others, in the place of its nodes, as that of
-    /// [`Self::embed`]. The net of a [filled surface](crate::shape::filled) has one.
+    /// [`Self::embed`], which does so anyway. The net of a [filled surface](crate::shape::filled) has one.
     pub fn touch_by_skin(mut self) -> Self {
-        self.skin = SkinUse::Touches;
+        if !matches!(self.skin, SkinUse::Embedded(_)) {
+            self.skin = SkinUse::Touches;
+        }
         self
     }
 

@@ -160,8 +160,12 @@ impl Deformable {
                 .is_some_and(|p| p.inv_mass == 0.0);
         if ok {
             self.wake_up();
-            self.led.retain(|(n, _)| *n != node.0);
-            self.led.push((node.0, wide(target)));
+            // By node.
+            let led = (node.0, wide(target));
+            match self.led.binary_search_by_key(&node.0, |(n, _)| *n) {
+                Ok(i) => self.led[i] = led,
+                Err(i) => self.led.insert(i, led),
+            }
         }
         ok
     }

@@ -2,6 +2,7 @@
 //! boxes side by side are one floor, and a node just under its top must not be pushed into the gap between them. So the
 //! ways out through all faces of the parts around a point are gathered, and one that ends in another part is no way out.
 
+use super::parts::Parts;
 use super::{Core, Solid, edges, primitive};
 use crate::contact::target::wide_rotation;
 use crate::math::{DMat3, DQuat, DVec3, wide};
@@ -10,22 +11,24 @@ use rapier3d::parry::shape;
 /// Parts in one frame.
 #[derive(Debug, PartialEq)]
 pub struct Compound {
-    parts: Vec<Part>,
+    parts: Parts,
     lo: DVec3,
     hi: DVec3,
     /// How far behind a face another part must begin to hide it \[m\]: a few roundings of Rapier's `f32` poses.
     seam: f64,
 }
 
+/// A solid in the frame of the compound.
 #[derive(Debug, PartialEq)]
-struct Part {
+pub struct Part {
     solid: Solid,
     position: DVec3,
     rotation: DQuat,
     axes: DMat3,
     /// Its box in the compound's frame.
-    lo: DVec3,
-    hi: DVec3,
+    pub lo: DVec3,
+    /// The other corner of that.
+    pub hi: DVec3,
 }
 
 impl Part {
@@ -33,7 +36,8 @@ impl Part {
         self.axes.transpose() * (p - self.position)
     }
 
-    fn signed_distance(&self, p: DVec3) -> (f64, DVec3) {
+    /// Signed distance and normal, in the compound's frame.
+    pub fn signed_distance(&self, p: DVec3) -> (f64, DVec3) {
         let (d, n) = self.solid.signed_distance(self.local(p));
         (d, self.axes * n)
     }
@@ -108,7 +112,7 @@ impl Compound {
             });
         }
         Some(Self {
-            parts,
+            parts: Parts::new(parts),
             lo: low,
             hi: high,
             seam: 8.0 * f64::from(f32::EPSILON) * extent,
@@ -134,7 +138,7 @@ impl Compound {
 
     /// Visits the parts.
     pub fn for_each_convex(&self, f: &mut dyn FnMut(DVec3, DQuat, &Solid)) {
-        for part in &self.parts {
+        for part in self.parts.iter() {
             part.solid
                 .for_each_convex(&mut |position, rotation, solid| {
                     let position = part.position + part.axes * position;
@@ -147,7 +151,7 @@ impl Compound {
     pub fn cast(&self, a: DVec3, b: DVec3) -> Option<(f64, DVec3)> {
         let (low, high) = (a.min(b), a.max(b));
         let mut first: Option<(f64, DVec3)> = None;
-        for part in &self.parts {
+        for part in self.parts.meeting(low, high) {
             if part.lo.cmpgt(high).any() || part.hi.cmplt(low).any() {
                 continue;
             }
@@ -167,7 +171,7 @@ impl Compound {
     pub fn signed_distance(&self, p: DVec3) -> (f64, DVec3) {
         let mut best = (f64::INFINITY, DVec3::Y);
         let mut near = 0;
-        for part in &self.parts {
+        for part in self.parts.near(p, self.parts.within(p).max(self.seam)) {
             if part.away(p) > best.0.max(self.seam) {
                 continue;
             }
@@ -192,7 +196,8 @@ impl Compound {
 
     fn covered(&self, end: DVec3) -> bool {
         let margin = 0.5 * self.seam;
-        self.parts.iter().any(|part| part.holds(end, margin))
+        let mut near = self.parts.near(end, margin);
+        near.any(|part| part.holds(end, margin))
     }
 
     /// The nearest way out of the parts around `p`: through a face, or through the line in which a face meets one of the
@@ -202,7 +207,7 @@ impl Compound {
             list: [Exit::default(); Exits::MOST],
             len: 0,
         };
-        for part in &self.parts {
+        for part in self.parts.near(p, self.seam) {
             if part.away(p) <= self.seam && part.signed_distance(p).0 < self.seam {
                 part.solid.exits(part.local(p), &mut |height, n| {
                     let normal = part.axes * n;
@@ -221,11 +226,9 @@ impl Compound {
         }
         for exit in &exits.list[..closed] {
             let end = p + exit.normal * (self.seam - exit.height);
-            for part in self
-                .parts
-                .iter()
-                .filter(|part| part.holds(end, 0.5 * self.seam))
-            {
+            let margin = 0.5 * self.seam;
+            let near = self.parts.near(end, margin);
+            for part in near.filter(|part| part.holds(end, margin)) {
                 part.solid.exits(part.local(p), &mut |height, n| {
                     let normal = part.axes * n;
                     let Some(step) = through_edge(exit, &Exit { height, normal }) else {
@@ -274,7 +277,7 @@ impl Compound {
         for _ in 0..=self.parts.len() {
             let at = p + n * (way + self.seam);
             let mut farther = way;
-            for part in &self.parts {
+            for part in self.parts.near(at, 0.0) {
                 if !part.holds(at, 0.0) {
                     continue;
                 }

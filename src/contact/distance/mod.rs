@@ -13,6 +13,7 @@ mod crossing;
 mod edges;
 mod hull;
 mod line;
+mod parts;
 mod planes;
 mod primitive;
 mod quickhull;

@@ -72,6 +72,7 @@ impl DeformableWorld {
         let active = self.iter().filter(|(_, body)| body.is_active());
         let handles: Vec<DeformableHandle> = active.map(|(handle, _)| handle).collect();
         let (meetings, speeds) = self.find_meetings(&handles, &search);
+        let mut attachments = self.find_attachments(parts);
         let active = handles.iter().filter_map(|h| Some((*h, self.get(*h)?)));
         let reaches = active.zip(speeds).map(|((handle, body), speed)| Reach {
             handle,
@@ -83,7 +84,7 @@ impl DeformableWorld {
                 &mut unsupported,
                 &mut sensing,
             ),
-            attachments: self.attachments_of(handle, parts),
+            attachments: attachments.remove(&handle.key()).unwrap_or_default(),
         });
         let reaches = reaches.collect();
         self.forms = forms;
@@ -192,6 +193,8 @@ impl DeformableWorld {
             i
         }
         let mut first: BTreeMap<BodyKey, usize> = BTreeMap::new();
+        let numbered = reaches.iter().enumerate();
+        let number_of: BTreeMap<_, usize> = numbered.map(|(i, r)| (r.handle.key(), i)).collect();
         for (i, reach) in reaches.iter().enumerate() {
             for body in self.touched_by(reach) {
                 if !around.bodies.get(body).is_some_and(|b| b.is_dynamic()) {
@@ -215,7 +218,7 @@ impl DeformableWorld {
                 let Some(AttachTo::Deformable(to)) = bond.map(|b| b.target) else {
                     continue;
                 };
-                if let Some(other) = reaches.iter().position(|r| r.handle == to) {
+                if let Some(&other) = number_of.get(&to.key()) {
                     let (a, b) = (root(&parent, i), root(&parent, other));
                     parent[a.max(b)] = a.min(b);
                 }
@@ -235,22 +238,20 @@ impl DeformableWorld {
         touched.chain(bonds.filter_map(|h| self.attachments.get(h.0)?.body()))
     }
 
-    fn attachments_of(
-        &self,
-        deformable: DeformableHandle,
-        parts: &RapierParts,
-    ) -> Vec<AttachmentHandle> {
-        self.attachments
-            .iter()
-            .filter(|(_, a)| {
-                let target_is_there = match a.target {
-                    AttachTo::Body(body) => parts.bodies.get(body).is_some_and(|b| b.is_enabled()),
-                    AttachTo::Deformable(other) => self.get(other).is_some_and(|b| b.is_enabled()),
-                    _ => true,
-                };
-                a.deformable == deformable && !a.is_broken() && target_is_there
-            })
-            .map(|(index, _)| AttachmentHandle(index))
-            .collect()
+    /// The attachments of every deformable that hold to something that is there.
+    fn find_attachments(&self, parts: &RapierParts) -> BTreeMap<BodyKey, Vec<AttachmentHandle>> {
+        let mut found = BTreeMap::<_, Vec<_>>::new();
+        for (index, a) in self.attachments.iter() {
+            let target_is_there = match a.target {
+                AttachTo::Body(body) => parts.bodies.get(body).is_some_and(|b| b.is_enabled()),
+                AttachTo::Deformable(other) => self.get(other).is_some_and(|b| b.is_enabled()),
+                _ => true,
+            };
+            if !a.is_broken() && target_is_there {
+                let of = found.entry(a.deformable.key()).or_default();
+                of.push(AttachmentHandle(index));
+            }
+        }
+        found
     }
 }

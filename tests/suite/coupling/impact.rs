@@ -87,11 +87,13 @@ fn fast_block_into_a_sleeping_box() {
 /// 20 kg, which is what the pair ought to be.
 #[test]
 fn fast_block_into_a_jointed_pair() {
+    // From a face as large as the block nodes of the rim slip off as that bulges, more or less of them.
+    const WIDE: [f32; 3] = [0.2, 0.25, 0.25];
     let twin = {
         let mut world = weightless(1.0 / 60.0);
         let (body, _) = world.insert(
             RigidBodyBuilder::dynamic().translation(Vector::new(0.5, 0.0, 0.0)),
-            cuboid([0.2; 3], 20.0),
+            cuboid(WIDE, 20.0),
         );
         let mut deformables = Mode::Shipped.deformables();
         deformables
@@ -107,11 +109,11 @@ fn fast_block_into_a_jointed_pair() {
         let mut world = weightless(1.0 / 60.0);
         let (near, _) = world.insert(
             RigidBodyBuilder::dynamic().translation(Vector::new(0.5, 0.0, 0.0)),
-            cuboid([0.2; 3], 5.0),
+            cuboid(WIDE, 5.0),
         );
         let (far, _) = world.insert(
             RigidBodyBuilder::dynamic().translation(Vector::new(1.0, 0.0, 0.0)),
-            cuboid([0.2; 3], 15.0),
+            cuboid(WIDE, 15.0),
         );
         let weld = FixedJointBuilder::new()
             .local_anchor1(Vector::new(0.25, 0.0, 0.0))
