@@ -182,8 +182,9 @@ impl Making<'_, '_> {
     pub(super) fn misses_some(&self, p: u32, met: &[Met]) -> bool {
         let is_met = |point: u32| {
             let met = &met[met.partition_point(|m| m.point < point)..];
-            let mut met = met.iter().take_while(|m| m.point == point);
-            met.any(|m| !m.is_deep() || self.goes_deeper(p, m))
+            let met = met.iter().take_while(|m| m.point == point);
+            let mut met = met.map(|m| m.is_shallow() || self.touches.touched([p, point, m.face]));
+            met.any(|is| is)
         };
         self.touches.known(p).any(|[_, point, _]| !is_met(point))
     }
@@ -192,12 +193,15 @@ impl Making<'_, '_> {
     /// about as deep; then it leaves by the nearest. Points of `rims` are others for every face: this one is known where any
     /// touched a face that looks about the same way; over no face, it is beside a body and not as deep in it as it seems.
     pub(super) fn point(&mut self, p: u32, met: &[Met], rims: bool) {
-        let width = BORDER * self.site.reach.touching;
-        let yields = |m: &Met| met.iter().any(|other| m.yields_to(other, width));
-        let over = || met.iter().filter(|m| !m.beside && !yields(m));
         let mut any = false;
-        for m in over() {
-            if !m.is_deep() || self.goes_deeper(p, m) {
+        for m in met.iter().filter(|m| !m.beside) {
+            if met
+                .iter()
+                .any(|other| m.yields_to(other, BORDER * self.site.reach.touching))
+            {
+                continue;
+            }
+            if m.is_shallow() || self.touches.touched([p, m.point, m.face]) {
                 any = true;
                 self.add_met(p, m);
             }
@@ -213,20 +217,8 @@ impl Making<'_, '_> {
             let as_deep = |before: f64| nearest.excess <= before;
             if as_deep(deepest) || alike.is_some_and(|before| !nearest.beside || as_deep(before)) {
                 self.add_met(p, nearest);
-                return;
             }
         }
-        for m in over().filter(|m| m.cuts) {
-            self.add_met(p, m);
-        }
-    }
-
-    /// Whether a point touched this face last, and can have come as deep since. On a face that is bent round it a point has several feet:
-    /// over the border, where it is about to go on to the next face, the one that is left may be far off.
-    fn goes_deeper(&self, p: u32, m: &Met) -> bool {
-        let before = self.touches.deepest([p, m.point]);
-        let touched = self.touches.touched([p, m.point, m.face]);
-        touched && before.is_some_and(|before| m.excess <= before.max(0.0))
     }
 
     fn add_met(&mut self, p: u32, m: &Met) {
