@@ -117,8 +117,8 @@ impl Advance {
 /// The fewest substeps between two looks at the stable one in a rigid step, if it has so many: a look takes as long as three of them.
 const BETWEEN_REVIEWS: usize = 16;
 
-/// How far, in spacings of its nodes, the fastest node of a body may have come beyond what it would have at the speed of the last look
-/// before the next one: what a load that sets in at once does to the shape is not to be foreseen.
+/// How far, in spacings of its nodes, the fastest node of a body may have come beyond what it would have at twice the speed of the last
+/// look before the next one: what a load that sets in at once does to the shape is not to be foreseen.
 const STRAINED: f64 = 0.05;
 
 /// A rigid step has hardly fewer substeps.
@@ -173,12 +173,12 @@ impl Group {
         self.members.iter().map(|(_, body)| speed(body)).collect()
     }
 
-    /// By how much any of them has become faster than it was, in spacings of its nodes \[1/s\].
+    /// By how much any of them has become faster than twice what it was, in spacings of its nodes \[1/s\].
     fn rush(&self, before: &[f64]) -> f64 {
         let now = self.members.iter().zip(before);
         let faster = now.map(|((_, body), before)| {
             let speed = f64::from(body.solver.speed_squared).sqrt();
-            (speed - before) / body.contact_topology().spacing
+            (speed - 2.0 * before) / body.contact_topology().spacing
         });
         faster.fold(0.0, f64::max)
     }
