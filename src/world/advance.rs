@@ -178,7 +178,13 @@ impl Group {
         let now = self.members.iter().zip(before);
         let faster = now.map(|((_, body), before)| {
             let speed = f64::from(body.solver.speed_squared).sqrt();
-            (speed - 2.0 * before) / body.contact_topology().spacing
+            let spacing = body.contact_topology().spacing;
+            // Of nodes that nothing joins no shape changes.
+            if spacing > 0.0 {
+                (speed - 2.0 * before) / spacing
+            } else {
+                0.0
+            }
         });
         faster.fold(0.0, f64::max)
     }
