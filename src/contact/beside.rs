@@ -48,7 +48,7 @@ impl Beside<'_> {
 
     /// Whether that way ends in another solid, or on its surface: what lies there is no face of both together.
     pub fn hides(&self, frame: &Frame, place: DVec3, way: (f64, DVec3)) -> bool {
-        !self.is_empty() && self.room(frame, place, way) < 0.5 * self.touching
+        self.room(frame, place, way) < 0.5 * self.touching
     }
 
     /// Whether a place on an edge or a corner of a solid can't be touched along a normal: others go on there, flush with a face

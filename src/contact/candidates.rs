@@ -119,7 +119,7 @@ impl Candidates {
     /// Adds the rows of this substep to those of the group, once it has followed the collider. In the last one nodes moved by up to
     /// `moved` m, in this one nodes and collider may come nearer by `closing` m. Whatever lies within `near` m stays in the lists of soups.
     pub fn find_rows(&mut self, mut site: Site, moved: f64, closing: f64, near: f64) {
-        let Some(frame) = self.frame else { return };
+        let frame = self.frame.unwrap_or_else(|| self.target.frame(site.shadow));
         self.way += moved;
         let farthest = site.reach.farthest.max(near);
         self.nodes

@@ -257,7 +257,7 @@ impl Making<'_, '_> {
         let most = 0.5 * touching;
         let is_filled = |to: DVec3| {
             let point = entry + to * (2.0 * touching);
-            !site.beside.is_empty() && site.beside.distance(frame, point, most) < most
+            site.beside.distance(frame, point, most) < most
         };
         if is_filled(there - normal) {
             return false;

@@ -250,6 +250,21 @@ impl Compound {
         }
     }
 
+    /// The faces of the parts around a point through which it is out of the whole; `false` where there are none.
+    fn exits(&self, p: DVec3, f: &mut dyn FnMut(f64, DVec3)) -> bool {
+        let mut any = false;
+        for part in self.parts.near(p, self.seam) {
+            part.solid.exits(part.local(p), &mut |height, n| {
+                let normal = part.axes * n;
+                if height < self.seam && !self.hidden(p, height, normal) {
+                    any = true;
+                    f(height, normal);
+                }
+            });
+        }
+        any
+    }
+
     /// Where every face is hidden, as for a ball that sticks out of a box: the shortest straight way out among the faces'
     /// directions and the axes, from part to part.
     fn straight(&self, p: DVec3, exits: &Exits) -> (f64, DVec3) {
@@ -357,6 +372,7 @@ impl Solid {
                 f(-p.y - half_height, DVec3::NEG_Y);
             }
             Core::Hull(hull) => hull.planes(p, &mut f),
+            Core::Compound(whole) if whole.exits(p, &mut f) => {}
             Core::Point
             | Core::Segment(..)
             | Core::HalfSpace(_)

@@ -193,8 +193,6 @@ impl DeformableWorld {
             i
         }
         let mut first: BTreeMap<BodyKey, usize> = BTreeMap::new();
-        let numbered = reaches.iter().enumerate();
-        let number_of: BTreeMap<_, usize> = numbered.map(|(i, r)| (r.handle.key(), i)).collect();
         for (i, reach) in reaches.iter().enumerate() {
             for body in self.touched_by(reach) {
                 if !around.bodies.get(body).is_some_and(|b| b.is_dynamic()) {
@@ -218,7 +216,8 @@ impl DeformableWorld {
                 let Some(AttachTo::Deformable(to)) = bond.map(|b| b.target) else {
                     continue;
                 };
-                if let Some(&other) = number_of.get(&to.key()) {
+                // They are in the order of the set.
+                if let Ok(other) = reaches.binary_search_by_key(&to.key(), |r| r.handle.key()) {
                     let (a, b) = (root(&parent, i), root(&parent, other));
                     parent[a.max(b)] = a.min(b);
                 }

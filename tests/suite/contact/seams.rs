@@ -34,6 +34,11 @@ fn floors() -> Vec<(&'static str, Vec<ColliderBuilder>)> {
     let both = [faces.clone(), vec![[4, 6, 5], [4, 7, 6]]].concat();
     let v = Vector::new;
     let tile = |x: f32| ColliderBuilder::cuboid(0.5, 0.1, 0.5).translation(v(x, -0.1, 0.0));
+    let pair = |x: f32| {
+        let half = SharedShape::cuboid(0.25, 0.1, 0.5);
+        let at = |side: f32| Pose::from_translation(v(x + side, -0.1, 0.0));
+        ColliderBuilder::compound([-0.25, 0.25].map(|s| (at(s), half.clone())).to_vec())
+    };
     let hull = |x: f32| {
         let corners = super::corners(v(x, -0.2, -0.5), v(x + 1.0, 0.0, 0.5));
         ColliderBuilder::convex_hull(&corners).unwrap()
@@ -42,6 +47,8 @@ fn floors() -> Vec<(&'static str, Vec<ColliderBuilder>)> {
         ("two boxes", vec![tile(-0.5), tile(0.5)]),
         ("boxes apart", vec![tile(-0.500_001), tile(0.500_001)]),
         ("two hulls", vec![hull(-1.0), hull(0.0)]),
+        ("two compounds", vec![pair(-0.5), pair(0.5)]),
+        ("a box and a compound", vec![tile(-0.5), pair(0.5)]),
         ("two meshes", two.to_vec()),
         ("triangles", triangles.collect()),
         ("unshared vertices", vec![mesh(unshared, both)]),
