@@ -297,21 +297,35 @@ fn far_from_voxels_and_deep_inside_them_there_is_an_answer() {
 /// Two boxes side by side are one floor, an L has an inner edge: against all cells one by one.
 #[test]
 fn compounds_of_boxes_act_as_one_body() {
-    let (_, shape) = composites().swap_remove(0);
-    let solid = Solid::of(&*shape).unwrap();
+    let (_, few) = composites().swap_remove(0);
     let mut filled = Vec::new();
     for (x, y, z) in (0..8 * 4 * 8).map(|i| (i % 8 - 4, i / 8 % 4, i / 32 - 4)) {
         if y == 0 || x == -4 {
             filled.push(IVector::new(x, y, z));
         }
     }
+    // The same of so many that they are looked for by a tree.
+    let part = |cell: &IVector| {
+        let middle = (cell.as_vec3() + 0.5) * 0.25;
+        (
+            Pose::from_translation(middle),
+            SharedShape::cuboid(0.125, 0.125, 0.125),
+        )
+    };
+    let many = SharedShape::compound(filled.iter().map(part).collect());
     let all = cells(&filled);
+    for shape in [few, many] {
+        act_as_one_body(&Solid::of(&*shape).unwrap(), &all);
+    }
+}
+
+fn act_as_one_body(solid: &Solid, all: &(Vec<IVector>, Vec<IVector>)) {
     let mut random = Random(19);
     let mut inside = 0;
     for _ in 0..10_000 {
         let p = random.vector() * DVec3::new(1.2, 1.2, 1.2) + DVec3::Y * 0.3;
         let (d, n) = solid.signed_distance(p);
-        let reference = reference::distance_to_cells(&all, 0.25, p);
+        let reference = reference::distance_to_cells(all, 0.25, p);
         assert!((d - reference).abs() < 1e-6, "{p}: {d} against {reference}");
         assert!((n.length() - 1.0).abs() < 1e-9);
         inside += usize::from(d < 0.0);
