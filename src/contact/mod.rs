@@ -17,4 +17,5 @@ pub mod soup;
 pub mod soup_nodes;
 pub mod target;
 pub mod touches;
+pub mod tree;
 pub mod watch;

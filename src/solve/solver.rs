@@ -188,6 +188,11 @@ impl<S: Scalar> Solver<S> {
         }
     }
 
+    /// The largest speed that the last integration pass has seen \[m/s\].
+    pub(crate) fn top_speed(&self) -> f64 {
+        self.speed_squared.f64().sqrt()
+    }
+
     /// The force from outside on a node at the last evaluation \[N\], gravity left out.
     pub(crate) fn applied_force(&self, node: usize) -> DVec3 {
         let applied = self.applied.get(node);

@@ -169,19 +169,18 @@ impl Group {
 
     /// The speeds of the fastest nodes of the members \[m/s\].
     fn speeds(&self) -> Vec<f64> {
-        let speed = |body: &Deformable| f64::from(body.solver.speed_squared).sqrt();
-        self.members.iter().map(|(_, body)| speed(body)).collect()
+        let members = self.members.iter();
+        members.map(|(_, body)| body.solver.top_speed()).collect()
     }
 
     /// By how much any of them has become faster than twice what it was, in spacings of its nodes \[1/s\].
     fn rush(&self, before: &[f64]) -> f64 {
         let now = self.members.iter().zip(before);
         let faster = now.map(|((_, body), before)| {
-            let speed = f64::from(body.solver.speed_squared).sqrt();
             let spacing = body.contact_topology().spacing;
             // Of nodes that nothing joins no shape changes.
             if spacing > 0.0 {
-                (speed - 2.0 * before) / spacing
+                (body.solver.top_speed() - 2.0 * before) / spacing
             } else {
                 0.0
             }

@@ -344,7 +344,7 @@ impl Deformable {
     /// A bound on how fast any node goes into the coming substep \[m/s\]: the integration pass has seen velocities before
     /// rows, and how far nodes moved tells what rows did to them.
     pub(super) fn fastest(&self) -> f64 {
-        let speed = self.gain() * f64::from(self.solver.speed_squared).sqrt();
+        let speed = self.gain() * self.solver.top_speed();
         if self.h > 0.0 {
             speed.max(self.moved / self.h)
         } else {

@@ -264,7 +264,7 @@ impl Group {
             body.moved = body.moved.max(shift);
         }
         for (_, body) in &mut self.members {
-            let speed = f64::from(body.solver.speed_squared).sqrt();
+            let speed = body.solver.top_speed();
             // Where a node does not move at its last velocity, the mean is between that and the one before.
             let mean = if body.integrator().takes_late_impulses() {
                 1.0 + 1e-6

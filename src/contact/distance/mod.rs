@@ -11,6 +11,7 @@
 mod compound;
 mod crossing;
 mod edges;
+mod exits;
 mod hull;
 mod line;
 mod parts;

@@ -1,8 +1,8 @@
 //! The parts of a compound, found by a tree where there are many.
 
 use super::compound::Part;
-use crate::contact::soup::around;
-use crate::math::{DVec3, Vector};
+use crate::contact::tree::{around, nearest};
+use crate::math::DVec3;
 use rapier3d::parry::partitioning::{Bvh, BvhBuildStrategy};
 
 /// Up to so many parts are gone through one by one.
@@ -68,19 +68,9 @@ impl Parts {
 
     /// A distance within which the nearest part of those in the tree is, if there are any \[m\].
     pub fn within(&self, p: DVec3) -> f64 {
-        let at = p.as_vec3();
-        let found = self.tree.find_best(
-            f32::MAX,
-            |node, _| {
-                let gap = (node.mins() - at).max(at - node.maxs()).max(Vector::ZERO);
-                gap.length() * (1.0 - 1e-6)
-            },
-            |leaf, least| {
-                let away = self.all[leaf as usize].signed_distance(p).0.max(0.0) as f32;
-                (away < least).then_some(away)
-            },
-        );
+        let away = |leaf: usize| self.all[leaf].signed_distance(p).0.max(0.0);
+        let found = nearest(&self.tree, p, away);
         // Rounding of `f32` may have it a little less.
-        found.map_or(0.0, |(_, away)| f64::from(away) * (1.0 + 1e-6))
+        found.map_or(0.0, |(_, away)| away * (1.0 + 1e-6))
     }
 }

@@ -4,9 +4,10 @@
 
 use super::primitive;
 use super::way::{SELF, Way, bit, is_hidden, neighbours, order, place};
-use crate::contact::soup::{Edge, EdgeKind, EdgeSearch, Facet, around};
+use crate::contact::soup::{Edge, EdgeKind, EdgeSearch, Facet};
+use crate::contact::tree::{around, nearest};
 use crate::math::{DVec3, wide};
-use rapier3d::math::{IVector, Vector};
+use rapier3d::math::IVector;
 use rapier3d::parry::bounding_volume::Aabb;
 use rapier3d::parry::partitioning::{Bvh, BvhBuildStrategy};
 use rapier3d::parry::shape::Voxels;
@@ -163,11 +164,7 @@ impl Grid {
             .enumerate()
             .map(|(k, &i)| {
                 let low = (self.chunks[i as usize].key * 8).as_dvec3() * self.cell;
-                let (mins, maxs) = (low.as_vec3(), (low + self.cell * 8.0).as_vec3());
-                // Larger by what rounding may have cut off.
-                let more =
-                    (mins.abs() + maxs.abs()) * f32::EPSILON + Vector::splat(f32::MIN_POSITIVE);
-                (k, Aabb::new(mins - more, maxs + more))
+                (k, around(low, low + self.cell * 8.0))
             })
             .collect();
         self.full = full;
@@ -325,22 +322,11 @@ impl Grid {
 
     /// The nearest filled cell, from the tree.
     fn far(&self, p: DVec3, cell: IVector, best: &mut Way) {
-        let at = p.as_vec3();
         // `f32` only orders the search: it may overlook what is nearer by less than its rounding.
-        let found = self.tree.find_best(
-            f32::MAX,
-            |node, _| {
-                let gap = (node.mins() - at).max(at - node.maxs()).max(Vector::ZERO);
-                gap.length() * (1.0 - 1e-6)
-            },
-            |leaf, least| {
-                let way = self.nearest_in(leaf as usize, p, cell);
-                let distance = way.square.sqrt() as f32;
-                (distance < least).then_some(distance)
-            },
-        );
+        let away = |leaf: usize| self.nearest_in(leaf, p, cell).square.sqrt();
+        let found = nearest(&self.tree, p, away);
         if let Some((leaf, _)) = found {
-            let way = self.nearest_in(leaf as usize, p, cell);
+            let way = self.nearest_in(leaf, p, cell);
             if way.square < best.square {
                 *best = way;
             }

@@ -2,6 +2,7 @@
 
 use super::meet::ALIKE;
 use super::patch::{Foot, Patch};
+use crate::contact::beside::SAME;
 use crate::contact::roll::Roll;
 use crate::contact::site::Site;
 use crate::contact::target::{Frame, Target};
@@ -35,7 +36,7 @@ impl Met {
     fn yields_to(&self, other: &Self, width: f64) -> bool {
         other.is_shallow()
             && !other.beside
-            && self.normal.dot(other.normal) < 0.7
+            && self.normal.dot(other.normal) < SAME
             && self.is_ridge_with(other)
             && self.inset() < width
             && self.inset() < other.inset()

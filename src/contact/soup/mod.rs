@@ -29,7 +29,6 @@ pub use gather::NodeFacets;
 pub use inside::Exit;
 pub use near::Near;
 pub use overhang::{Margins, Overhang, bearing};
-pub use search::around;
 pub use touch::{Touch, Touches, touches};
 
 use crate::math::DVec3;

@@ -1,8 +1,9 @@
 //! Which facets lie in a box.
 
 use super::{Soup, meets};
-use crate::math::{DVec3, Vector};
-use rapier3d::geometry::{Aabb, HeightField, TypedShape};
+use crate::contact::tree::around;
+use crate::math::DVec3;
+use rapier3d::geometry::{HeightField, TypedShape};
 use rapier3d::parry::partitioning::Bvh;
 use std::ops::Range;
 
@@ -33,21 +34,6 @@ impl Soup {
 fn leaves(bvh: &Bvh, lo: DVec3, hi: DVec3, out: &mut Vec<u32>) {
     out.extend(bvh.intersect_aabb(&around(lo, hi)));
     out.sort_unstable();
-}
-
-/// A box of parry's that is not smaller than one in `f64`.
-pub fn around(lo: DVec3, hi: DVec3) -> Aabb {
-    Aabb::new(outward(lo, f32::next_down), outward(hi, f32::next_up))
-}
-
-/// A corner of a box in `f32`, moved outwards by more than the rounding.
-fn outward(v: DVec3, next: fn(f32) -> f32) -> Vector {
-    let v = v.clamp(
-        DVec3::splat(f64::from(f32::MIN)),
-        DVec3::splat(f64::from(f32::MAX)),
-    );
-    let v = v.as_vec3();
-    Vector::new(next(v.x), next(v.y), next(v.z))
 }
 
 /// The triangles of the cells under a box. parry's own walk over them is not used: it makes their corners by another

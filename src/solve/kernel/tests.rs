@@ -156,20 +156,28 @@ fn outcome(solver: &Solver<f32>, state: &State<f32>) -> Outcome {
     }
 }
 
-fn run_net(
+/// A body and what advances it, with a kernel, or spring by spring.
+fn start(
     (springs, state): &(Vec<Spring>, State<f32>),
     kernel: Option<Kernel>,
-    integrator: Integrator,
-    drag: f32,
-) -> (Outcome, Solver<f32>) {
-    let mut state = state.clone();
-    let mut solver = Solver::new(springs, &state);
-    solver.external.gravity = [0.0, -9.81, 0.0];
-    solver.external.drag = drag;
+) -> (State<f32>, Solver<f32>) {
+    let mut solver = Solver::new(springs, state);
     match kernel {
         Some(kernel) => solver.kernel = kernel,
         None => solver.table.rows = Rows::Never,
     }
+    (state.clone(), solver)
+}
+
+fn run_net(
+    net: &(Vec<Spring>, State<f32>),
+    kernel: Option<Kernel>,
+    integrator: Integrator,
+    drag: f32,
+) -> (Outcome, Solver<f32>) {
+    let (mut state, mut solver) = start(net, kernel);
+    solver.external.gravity = [0.0, -9.81, 0.0];
+    solver.external.drag = drag;
     let mut steps = Vec::new();
     for _ in 0..40 {
         solver.substep(&mut state, integrator, 2e-3);
@@ -282,14 +290,9 @@ fn drag_may_come_and_go() {
         net(SWINGING, 7),
         regular::regular_net([6, 4, 3], false, material, |x| 3.0 * x[1]),
     ];
-    for (springs, state) in nets {
+    for net in nets {
         let run = |kernel: Option<Kernel>| {
-            let mut state = state.clone();
-            let mut solver = Solver::new(&springs, &state);
-            match kernel {
-                Some(kernel) => solver.kernel = kernel,
-                None => solver.table.rows = Rows::Never,
-            }
+            let (mut state, mut solver) = start(&net, kernel);
             for i in 0..30 {
                 solver.external.drag = if i / 3 % 2 == 1 { 0.4 } else { 0.0 };
                 solver.substep(&mut state, Integrator::SymplecticEuler, 1e-3);
@@ -330,15 +333,10 @@ fn slow_flows_wait_for_a_digit_in_every_kernel() {
         damped: true,
         limited: true,
     };
-    let (springs, state) = net(kind, 11);
+    let net = net(kind, 11);
     let run = |kernel: Option<Kernel>| {
-        let mut state = state.clone();
-        let mut solver = Solver::new(&springs, &state);
-        match kernel {
-            Some(kernel) => solver.kernel = kernel,
-            None => solver.table.rows = Rows::Never,
-        }
-        let mut flowed = vec![0; springs.len()];
+        let (mut state, mut solver) = start(&net, kernel);
+        let mut flowed = vec![0; net.0.len()];
         for _ in 0..200 {
             let before = state.flow.clone();
             solver.substep(&mut state, Integrator::SymplecticEuler, 1e-8);
@@ -363,15 +361,10 @@ fn slow_flows_wait_for_a_digit_in_every_kernel() {
 
 #[test]
 fn a_node_force_is_applied_by_every_kernel() {
-    let (springs, state) = net(SWINGING, 5);
+    let net = net(SWINGING, 5);
     let run = |kernel: Option<Kernel>| {
-        let mut state = state.clone();
-        let mut solver = Solver::new(&springs, &state);
+        let (mut state, mut solver) = start(&net, kernel);
         solver.external.node_forces = (0..37).map(|i| [i as f32, 1.0, -0.5]).collect();
-        match kernel {
-            Some(kernel) => solver.kernel = kernel,
-            None => solver.table.rows = Rows::Never,
-        }
         solver.substep(&mut state, Integrator::SymplecticEuler, 1e-3);
         outcome(&solver, &state)
     };

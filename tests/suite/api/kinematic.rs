@@ -160,3 +160,20 @@ fn a_rotor_may_be_led_by_either_quaternion_of_its_orientation() {
         }
     }
 }
+
+/// The last target told counts, in whatever order nodes are told theirs.
+#[test]
+fn targets_of_nodes_come_in_any_order() {
+    let mut world = weightless(1.0 / 60.0);
+    let mut deformables = DeformableWorld::default();
+    let nodes = (0..4).map(|i| Node::new(Vector::X * i as f32, 1.0));
+    let body = DeformableBuilder::new(Net::new(nodes.collect(), vec![])).pin(|_| true);
+    let body = deformables.insert(body).unwrap();
+    for (node, y) in [(2, 0.5), (0, 0.1), (3, 0.4), (2, 0.3), (1, 0.2)] {
+        let target = Vector::new(node as f32, y, 0.0);
+        assert!(deformables[body].set_kinematic_target(NodeId(node), target));
+    }
+    deformables.step(&mut world);
+    let heights: Vec<f32> = deformables[body].positions().map(|p| p.y).collect();
+    assert_eq!(heights, [0.1, 0.2, 0.3, 0.4]);
+}

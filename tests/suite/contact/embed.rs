@@ -166,3 +166,10 @@ fn skins_of_nets() {
         BuildError::SkinWithoutTets
     );
 }
+
+/// What is embedded touches, told so or not.
+#[test]
+fn an_embedded_surface_may_be_told_to_touch() {
+    let skin = |builder: DeformableBuilder| builder.build().unwrap().skin_positions().len();
+    assert_eq!(skin(soft_ball().touch_by_skin()), skin(soft_ball()));
+}

@@ -135,14 +135,15 @@ fn a_block_bounces_off_tiles_as_off_one_floor() {
     for drop in [0.02, 0.2, 0.5] {
         let (wanted, _) = bounce(&floor, drop);
         let brought = 8.0 * 9.81 * f64::from(drop);
-        for (name, boxes) in [
-            ("two halves", &halves[..]),
-            ("tiles", &tiles),
-            ("an equal block", &equal),
+        // On an equal block the rim slips off as the block bulges.
+        for (name, boxes, off) in [
+            ("two halves", &halves[..], 0.01),
+            ("tiles", &tiles, 0.01),
+            ("an equal block", &equal, 0.04),
         ] {
             let (highest, pushed) = bounce(boxes, drop);
             let share = highest / wanted - 1.0;
-            assert!(share.abs() < 0.05, "{name} from {drop} m: {share}");
+            assert!(share.abs() < off, "{name} from {drop} m: {share}");
             let pushed = pushed.abs() / brought;
             assert!(pushed < 5e-3, "{name} from {drop} m: {pushed}");
         }
