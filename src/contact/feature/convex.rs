@@ -1,7 +1,7 @@
 //! Faces and edges of one body against the convex parts of a solid.
 
 use super::bulge::{self, Ridge};
-use super::making::{Making, Met};
+use super::making::{Lie, Making, Met};
 use super::part::{Convex, Part};
 use super::patch::{Foot, Patch};
 use crate::contact::closest::bounds;
@@ -240,12 +240,13 @@ impl Making<'_, '_> {
         }
         let away = facing.cone.iter();
         let away = away.map(|other| (*other - point).normalize_or_zero());
-        let (point, beside, foot, outward) = match self.foot_of_grown(facing, core) {
-            Some((point, foot, outward)) => (point, false, foot, outward),
+        let (point, lie, foot, outward) = match self.foot_of_grown(facing, core) {
+            Some((point, foot, outward)) => (point, Lie::Over, foot, outward),
             None => {
-                let (beside, Some(foot)) = self.foot(patch, point) else {
+                let (lie, foot) = self.foot(patch, point)?;
+                if lie == Lie::Past && !facing.told {
                     return None;
-                };
+                }
                 // What is beside a face may be below it without having come through: past a ridge, its points tell.
                 let out = if facing.told || patch.is_between(point, facing.part.centre) {
                     n
@@ -253,17 +254,17 @@ impl Making<'_, '_> {
                     point - foot.point
                 };
                 let outward = foot.normal * 1.0_f64.copysign(foot.normal.dot(out));
-                (point, beside, foot, outward)
+                (point, lie, foot, outward)
             }
         };
         if !can_push(away, -outward, self.touches.touched([p, i, f])) {
             return None;
         }
-        let at = (beside, &foot, outward);
+        let at = (lie, &foot, outward);
         let mut found = self.over((i, point), (f, patch), at, self.deepest_point())?;
         // What touched a sheet that lies between one of its points and its middle has been cut by that since, whichever way that came there.
         found.cuts = !self.site.side.topology.closed
-            && !beside
+            && lie == Lie::Over
             && found.is_deep()
             && self.touches.known(p).next().is_some()
             && patch.is_between(point, facing.part.centre);

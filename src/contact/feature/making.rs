@@ -21,21 +21,34 @@ pub(super) struct Met {
     depth: f64,
     /// How much deeper it is than what may have come from outside within the substep \[m\].
     excess: f64,
-    /// Whether the point is over no face, and this is the foot on the border of one.
-    beside: bool,
+    lie: Lie,
     /// Whether what the point belongs to is cut by the face.
     pub cuts: bool,
 }
 
+/// How a point lies to a face that it meets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Lie {
+    /// Over or under it.
+    Over,
+    /// Beside it and over no other, its foot on the border.
+    Beside,
+    /// Past its border, in a crease that it makes with the next face.
+    Past,
+}
+
 /// How near the border of a face or the end of an edge counts as on it, in distances that count as touching.
 pub const BORDER: f64 = 10.0;
+
+/// How many faces one point may bear on.
+const MOST: usize = 16;
 
 impl Met {
     /// Whether the point is on the border of this face, within `width` m, and well within another one that looks elsewhere: what
     /// slides over a ridge does not meet it with its side. In a fold the point bears on both.
     fn yields_to(&self, other: &Self, width: f64) -> bool {
         other.is_shallow()
-            && !other.beside
+            && other.lie == Lie::Over
             && self.normal.dot(other.normal) < SAME
             && self.is_ridge_with(other)
             && self.inset() < width
@@ -115,23 +128,29 @@ impl Making<'_, '_> {
         nodes.map(|i| self.frame.to_local(self.site.side.state, i))
     }
 
-    /// The foot of a point on a face, and whether it is that on its border, which is looked for where points that were known to
-    /// touch are over no face.
-    pub(super) fn foot(&self, patch: &Patch, point: DVec3) -> (bool, Option<Foot>) {
-        let over = patch.foot(point);
-        if over.is_some() || !self.deep {
-            return (false, over);
+    /// How a point lies to a face, and its foot there.
+    pub(super) fn foot(&self, patch: &Patch, point: DVec3) -> Option<(Lie, Foot)> {
+        if let Some(foot) = patch.foot(point) {
+            return Some((Lie::Over, foot));
         }
-        (true, patch.foot_on_border(point))
+        let foot = patch.foot_on_border(point)?;
+        let square = foot.point.distance_squared(point);
+        let height = (point - foot.point).dot(foot.normal);
+        // Under the crease between two faces that bend away from it, a point is over neither.
+        if self.deep && square <= 2.0 * height * height {
+            return Some((Lie::Beside, foot));
+        }
+        let near = self.skin + self.site.reach.farthest;
+        (square <= near * near).then_some((Lie::Past, foot))
     }
 
-    /// A point that comes down on a face, or `beside` it, by its number and place, if it may touch; `outward` is the normal at
+    /// A point that comes down on a face, or lies beside it, by its number and place, if it may touch; `outward` is the normal at
     /// the foot, away from the body.
     pub(super) fn over(
         &self,
         (number, point): (u32, DVec3),
         (face, patch): (u32, &Patch),
-        (beside, foot, outward): (bool, &Foot, DVec3),
+        (lie, foot, outward): (Lie, &Foot, DVec3),
         deepest: f64,
     ) -> Option<Met> {
         let depth = self.skin - (point - foot.point).dot(outward);
@@ -145,7 +164,7 @@ impl Making<'_, '_> {
             normal: -outward,
             depth,
             excess: depth - come,
-            beside,
+            lie,
             cuts: false,
         })
     }
@@ -184,8 +203,8 @@ impl Making<'_, '_> {
         let is_met = |point: u32| {
             let met = &met[met.partition_point(|m| m.point < point)..];
             let met = met.iter().take_while(|m| m.point == point);
-            let mut met = met.map(|m| m.is_shallow() || self.touches.touched([p, point, m.face]));
-            met.any(|is| is)
+            let mut met = met.filter(|m| m.lie != Lie::Past);
+            met.any(|m| m.is_shallow() || self.touches.touched([p, point, m.face]))
         };
         self.touches.known(p).any(|[_, point, _]| !is_met(point))
     }
@@ -194,32 +213,59 @@ impl Making<'_, '_> {
     /// about as deep; then it leaves by the nearest. Points of `rims` are others for every face: this one is known where any
     /// touched a face that looks about the same way; over no face, it is beside a body and not as deep in it as it seems.
     pub(super) fn point(&mut self, p: u32, met: &[Met], rims: bool) {
-        let mut any = false;
-        for m in met.iter().filter(|m| !m.beside) {
-            if met
-                .iter()
-                .any(|other| m.yields_to(other, BORDER * self.site.reach.touching))
-            {
-                continue;
-            }
-            if m.is_shallow() || self.touches.touched([p, m.point, m.face]) {
-                any = true;
-                self.add_met(p, m);
-            }
+        let met = &met[..met.len().min(MOST)];
+        let mut bears = [false; MOST];
+        for (i, m) in met.iter().enumerate() {
+            let touches = m.is_shallow() || self.touches.touched([p, m.point, m.face]);
+            let width = BORDER * self.site.reach.touching;
+            bears[i] =
+                m.lie == Lie::Over && touches && !met.iter().any(|other| m.yields_to(other, width));
         }
-        if any {
-            return;
-        }
-        if let Some(deepest) = self.touches.deepest([p, met[0].point])
-            && let Some(nearest) = met.iter().min_by(|a, b| a.depth.total_cmp(&b.depth))
-        {
+        let deepest = self.touches.deepest([p, met[0].point]);
+        if !bears.contains(&true) {
+            let alone = |m: &Met| m.lie != Lie::Past || met.iter().any(|o| self.are_crease(m, o));
+            let all = (0..met.len()).filter(|&i| alone(&met[i]));
+            let nearest = all.min_by(|&i, &k| met[i].depth.total_cmp(&met[k].depth));
+            let (Some(deepest), Some(nearest)) = (deepest, nearest) else {
+                return;
+            };
+            let m = &met[nearest];
             let on_rim = |[part, ..]: Key| rims && part == p;
-            let alike = self.touches.deepest_along(nearest.normal, ALIKE, on_rim);
-            let as_deep = |before: f64| nearest.excess <= before;
-            if as_deep(deepest) || alike.is_some_and(|before| !nearest.beside || as_deep(before)) {
-                self.add_met(p, nearest);
+            let alike = self.touches.deepest_along(m.normal, ALIKE, on_rim);
+            let as_deep = |before: f64| m.excess <= before;
+            let on_rim = alike.is_some_and(|before| m.lie == Lie::Over || as_deep(before));
+            if !as_deep(deepest) && !on_rim {
+                return;
             }
+            bears[nearest] = true;
         }
+        // From face to face round a node.
+        let bears_too = |bears: &[bool; MOST]| {
+            (0..met.len()).find(|&i| {
+                let m = &met[i];
+                let as_deep = m.is_shallow() || deepest.is_some_and(|before| m.excess <= before);
+                let mut bearing = met.iter().zip(bears).filter(|(_, bears)| **bears);
+                let open = !bears[i] && m.lie != Lie::Over && as_deep;
+                open && bearing.any(|(other, _)| self.are_crease(m, other))
+            })
+        };
+        while let Some(i) = bears_too(&bears) {
+            bears[i] = true;
+        }
+        for (m, _) in met.iter().zip(bears).filter(|(_, bears)| *bears) {
+            self.add_met(p, m);
+        }
+    }
+
+    /// Whether two faces make a crease in which the point lies that has met both: it bears on both, though it is past the border of
+    /// one.
+    fn are_crease(&self, a: &Met, b: &Met) -> bool {
+        let faces = &self.site.side.topology.faces;
+        let [of_a, of_b] = [a, b].map(|met| faces[met.face as usize].nodes());
+        of_a.iter().filter(|node| of_b.contains(node)).count() == 2
+            && a.normal.dot(b.normal) < SAME
+            && !a.is_ridge_with(b)
+            && !b.is_ridge_with(a)
     }
 
     fn add_met(&mut self, p: u32, m: &Met) {

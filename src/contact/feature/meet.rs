@@ -1,7 +1,7 @@
 //! A corner of the target against a face of the body, and an edge against an edge: on which side, how deep, which way out.
 
 use super::bulge::Ridge;
-use super::making::{BORDER, Making, Met};
+use super::making::{BORDER, Lie, Making, Met};
 use super::patch::Patch;
 use super::sharp::{Corner, LINES};
 use crate::body::topology::NONE;
@@ -44,10 +44,14 @@ impl Making<'_, '_> {
         if apart > self.near && !touched {
             return (apart, None);
         }
-        let (beside, Some(foot)) = self.foot(&patch, p) else {
+        let Some((lie, foot)) = self.foot(&patch, p) else {
             return (apart, None);
         };
         let last = self.last_normal(key, foot.normal);
+        let told = topology.closed || last.is_some();
+        if lie == Lie::Past && !told {
+            return (apart, None);
+        }
         let outward = if topology.closed {
             foot.normal
         } else {
@@ -63,7 +67,7 @@ impl Making<'_, '_> {
         let met = self.over(
             (corner.id, p),
             (f, &patch),
-            (beside, &foot, outward),
+            (lie, &foot, outward),
             self.deepest_point(),
         );
         (apart, met)
@@ -101,7 +105,7 @@ impl Making<'_, '_> {
                 return None;
             }
             let foot = patch.foot(place)?;
-            let at = (false, &foot, outward);
+            let at = (Lie::Over, &foot, outward);
             self.over((edge.id, place), (f, &patch), at, self.deepest_point())
         };
         (apart, met())

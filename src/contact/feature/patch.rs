@@ -106,27 +106,23 @@ impl Patch {
         }
     }
 
-    /// The foot on the border of a point that is no farther beside the patch than it is over or under it. Under the crease between
-    /// two faces that bend away from it, a point is over neither.
+    /// The nearest place of the border.
     pub fn foot_on_border(&self, p: DVec3) -> Option<Foot> {
-        let normal = self.normal()?;
         let n = self.count;
         let feet = (0..n).map(|k| {
             let (a, b) = (self.corners[k], self.corners[(k + 1) % n]);
             let share = ((p - a).dot(b - a) / a.distance_squared(b)).clamp(0.0, 1.0);
-            let mut weights = [0.0; 4];
-            (weights[k], weights[(k + 1) % n]) = (1.0 - share, share);
-            let point = a.lerp(b, share);
-            Foot {
-                weights,
-                point,
-                normal,
-            }
+            (k, share, a.lerp(b, share))
         });
-        let far = |foot: &Foot| foot.point.distance_squared(p);
-        let foot = feet.min_by(|a, b| far(a).total_cmp(&far(b)))?;
-        let height = (p - foot.point).dot(normal);
-        (far(&foot) <= 2.0 * height * height).then_some(foot)
+        let far = |(_, _, point): &(usize, f64, DVec3)| point.distance_squared(p);
+        let (k, share, point) = feet.min_by(|a, b| far(a).total_cmp(&far(b)))?;
+        let mut weights = [0.0; 4];
+        (weights[k], weights[(k + 1) % n]) = (1.0 - share, share);
+        Some(Foot {
+            weights,
+            point,
+            normal: self.normal()?,
+        })
     }
 
     fn on_triangle(&self, p: DVec3, n: DVec3) -> Option<Foot> {

@@ -79,7 +79,7 @@ fn no_foot_is_nearer_than_the_distance() {
 }
 
 #[test]
-fn a_foot_on_the_border_is_for_points_close_beside() {
+fn a_foot_on_the_border_is_the_nearest_place_of_it() {
     let corners = [DVec3::ZERO, DVec3::Z, DVec3::new(1.0, 0.0, 1.0), DVec3::X];
     for count in [3, 4] {
         let patch = Patch::new(corners[..count].iter().copied());
@@ -89,8 +89,8 @@ fn a_foot_on_the_border_is_for_points_close_beside() {
         let foot = patch.foot_on_border(under).unwrap();
         assert!(foot.point.distance(DVec3::Z * 0.4) < 1e-12);
         assert!((foot.weights[0] - 0.6).abs() < 1e-12 && (foot.weights[1] - 0.4).abs() < 1e-12);
-        let farther = DVec3::new(-0.04, -0.03, 0.4);
-        assert!(patch.foot_on_border(farther).is_none());
+        let within = patch.foot_on_border(DVec3::new(0.04, 0.5, 0.6)).unwrap();
+        assert!(within.point.distance(DVec3::Z * 0.6) < 1e-12);
         // Beyond a corner.
         let beyond = patch
             .foot_on_border(DVec3::new(-0.01, 0.05, -0.01))
