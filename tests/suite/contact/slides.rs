@@ -4,6 +4,7 @@ use super::{corners, flat_field, grid_mesh, voxel_floor};
 use crate::support::close;
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
+use crumple::shape::{TetSplit, tet_box};
 
 /// Mean acceleration between .4 and 1 s, down 30°, μ = .2 \[m/s²\].
 fn acceleration(floor: ColliderBuilder) -> f64 {
@@ -160,4 +161,89 @@ fn a_ball_rolls_over_the_cells_of_a_flat_sheet() {
     let (v, off) = over_a_sheet(&ball, 0.03, 3.0, 0.3, Substeps::default());
     close("speed [m/s]", v.x.into(), 3.0 * 5.0 / 7.0, 1e-3);
     assert!(off < 1e-4, "{off} m off");
+}
+
+/// Symptom: a box that was wider than the slab under it stopped within half a second, without any friction. Cause: a node of the slab's
+/// rim, along which the side of the box comes, can be pushed neither on nor back by its surface, and what it could be
+/// pushed by was looked for between those two.
+#[test]
+fn nothing_is_braked_by_the_rim_of_a_slab() {
+    let half = Vector::new(0.2, 0.1, 0.4);
+    let (points, triangles) = Cuboid::new(half).to_trimesh();
+    let hull = ColliderBuilder::convex_hull(&points).unwrap();
+    let mesh = ColliderBuilder::trimesh_with_flags(points, triangles, TriMeshFlags::ORIENTED);
+    let shapes = [
+        ("cuboid", ColliderBuilder::cuboid(half.x, half.y, half.z)),
+        ("hull", hull),
+        ("mesh", mesh.unwrap()),
+        ("capsule", ColliderBuilder::capsule_z(half.z, half.y)),
+    ];
+    let size = Vector::new(3.0, 0.1, 0.4);
+    let springs = DeformableBuilder::new(lattice(size, 0.1))
+        .material(Material::elastic(2.0e6, 500.0).viscosity(2.0e3));
+    let solid = Solid::new(2.0e6, 0.3, 500.0).damping(0.0, 1.0e-4);
+    let tets = tet_box(size, 0.1, TetSplit::Six).unwrap();
+    let slabs = [springs, DeformableBuilder::tets(tets, solid)];
+    for (name, shape) in &shapes {
+        for (slab, turned) in [(0, 0.0), (0, 0.1), (1, 0.0)] {
+            let mut world = PhysicsWorld::default();
+            let mut deformables = DeformableWorld::default();
+            let slab = slabs[slab].clone().pin(|x| x.y < -0.049).friction(0.0);
+            deformables.insert(slab).unwrap();
+            let body = RigidBodyBuilder::dynamic()
+                .translation(Vector::new(-1.013, 0.1505, 0.0))
+                .rotation(Vector::Y * turned);
+            let shape = shape.clone().mass(20.0).friction(0.0);
+            let (body, _) = world.insert(body.can_sleep(false), shape);
+            for frame in 0..60 {
+                if frame == 20 {
+                    world.bodies[body].set_linvel(Vector::X * 1.5, true);
+                }
+                deformables.step(&mut world);
+            }
+            let v = world.bodies[body].linvel();
+            close(
+                &format!("{name}, turned by {turned}"),
+                v.x.into(),
+                1.5,
+                2e-3,
+            );
+        }
+    }
+}
+
+/// A slab that slides down between two jaws, wider than it, whose edges its rows of nodes pass: at 90 N, 100 N on each jaw and a
+/// friction of 0.3 on each. It hung there for good.
+#[test]
+fn a_slab_slides_out_of_wider_jaws() {
+    let size = Vector::new(0.4, 0.8, 0.05);
+    let springs = DeformableBuilder::new(lattice(size, 0.05))
+        .material(Material::elastic(2.0e7, 1000.0).viscosity(5.0e3));
+    let solid = Solid::new(2.0e7, 0.3, 1000.0).damping(0.0, 1.0e-5);
+    let tets = tet_box(size, 0.05, TetSplit::Six).unwrap();
+    for slab in [springs, DeformableBuilder::tets(tets, solid)] {
+        let mut world = PhysicsWorld::default();
+        let mut deformables = DeformableWorld::default();
+        let jaw = || ColliderBuilder::cuboid(0.25, 0.1, 0.1).friction(0.3);
+        let fixed = RigidBodyBuilder::fixed().translation(Vector::Z * -0.125);
+        world.insert(fixed, jaw());
+        let moving = RigidBodyBuilder::dynamic()
+            .translation(Vector::Z * 0.1255)
+            .gravity_scale(0.0)
+            .lock_rotations()
+            .enabled_translations(false, false, true);
+        let (moving, _) = world.insert(moving.can_sleep(false), jaw().mass(5.0));
+        world.bodies[moving].add_force(Vector::Z * -100.0, true);
+        let slab = slab.total_mass(90.0 / 9.81).friction(0.3);
+        let slab = deformables.insert(slab.gravity_scale(0.0)).unwrap();
+        for _ in 0..30 {
+            deformables.step(&mut world);
+        }
+        deformables[slab].set_gravity_scale(1.0);
+        for _ in 0..24 {
+            deformables.step(&mut world);
+        }
+        let expected = -(90.0 - 60.0) / 90.0 * 9.81 * 0.4;
+        close("speed [m/s]", deformables[slab].linvel().y, expected, 0.01);
+    }
 }
