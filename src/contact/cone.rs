@@ -127,8 +127,22 @@ impl Pushed {
                 })
         };
         let lean = if self.touched { LEAN } else { ROUNDING };
-        let across = upright(&directions[..count], normal, lean);
-        across.into_iter().any(|n| n != DVec3::ZERO && is_apart(n))
+        let cone = &directions[..count];
+        let across = upright(cone, normal, lean);
+        if across == [DVec3::ZERO; 4] {
+            return false;
+        }
+        if across.into_iter().any(|n| n != DVec3::ZERO && is_apart(n)) {
+            return true;
+        }
+        // At a rim or a corner, one of its faces may look between the outermost directions.
+        let mut beside = false;
+        solid.exits(place, &mut |height, n| {
+            beside |= height >= self.skin - reach.shallow()
+                && cone.iter().all(|c| c.dot(n) >= -ROUNDING)
+                && is_apart(n);
+        });
+        beside
     }
 }
 

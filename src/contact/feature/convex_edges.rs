@@ -81,13 +81,17 @@ impl Making<'_, '_> {
         let before = self.site.rows.contacts.len();
         let end = BORDER * self.site.reach.touching / a.distance(b);
         let cross = |making: &mut Self, c: Crossing| {
-            // So near an end it is the node's business, unless the edge goes in from there: then the node, which may have slid
-            // over the part's edge to the next face, does not hold it.
+            // So near an end, or past it, it is the node's business, unless the edge goes in from there: then the node, which may
+            // have slid over the part's edge to the next face, or be on it, does not hold it.
             let from = if c.t < 0.5 { [a, b] } else { [b, a] };
             let at_end = c.t.min(1.0 - c.t) < end;
             if at_end && (c.edge == ROUND_SIDE || !enters(part, from)) {
                 return;
             }
+            let c = Crossing {
+                t: c.t.clamp(0.0, 1.0),
+                ..c
+            };
             let key = [p, e, c.edge];
             let depth = making.skin - c.distance;
             let is_deep = depth > making.site.reach.touching && depth <= deepest;
@@ -102,8 +106,11 @@ impl Making<'_, '_> {
                 making.add(key, point);
             }
         };
-        part.solid
-            .for_each_crossing(a, b, most, &mut |c| cross(self, c));
+        let [from, to] = [a.lerp(b, -end), b.lerp(a, -end)];
+        part.solid.for_each_crossing(from, to, most, &mut |c| {
+            let t = c.t * (1.0 + 2.0 * end) - end;
+            cross(self, Crossing { t, ..c });
+        });
         // Closed surfaces have faces on both sides of every edge, and these hold round corners.
         let open = !self.site.side.topology.closed;
         if open && self.skin + part.solid.edge_radius() > self.site.reach.touching {
