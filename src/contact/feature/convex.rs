@@ -116,7 +116,7 @@ impl ConvexFeatures {
                 making.deep = true;
                 look(&mut making, met);
             }
-            for met in met.chunk_by(|a, b| a.point == b.point) {
+            for met in met.chunk_by_mut(|a, b| a.point == b.point) {
                 making.point(p, met, convex.solid.has_rim());
             }
         }

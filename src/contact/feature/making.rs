@@ -24,6 +24,8 @@ pub(super) struct Met {
     lie: Lie,
     /// Whether what the point belongs to is cut by the face.
     pub cuts: bool,
+    /// Whether the point gets a row for this face.
+    bears: bool,
 }
 
 /// How a point lies to a face that it meets.
@@ -39,9 +41,6 @@ pub(super) enum Lie {
 
 /// How near the border of a face or the end of an edge counts as on it, in distances that count as touching.
 pub const BORDER: f64 = 10.0;
-
-/// How many faces one point may bear on.
-const MOST: usize = 16;
 
 impl Met {
     /// Whether the point is on the border of this face, within `width` m, and well within another one that looks elsewhere: what
@@ -166,6 +165,7 @@ impl Making<'_, '_> {
             excess: depth - come,
             lie,
             cuts: false,
+            bears: false,
         })
     }
 
@@ -212,17 +212,16 @@ impl Making<'_, '_> {
     /// The rows of one point. A point that is deep below a face has come in through another one, unless it was known to touch,
     /// about as deep; then it leaves by the nearest. Points of `rims` are others for every face: this one is known where any
     /// touched a face that looks about the same way; over no face, it is beside a body and not as deep in it as it seems.
-    pub(super) fn point(&mut self, p: u32, met: &[Met], rims: bool) {
-        let met = &met[..met.len().min(MOST)];
-        let mut bears = [false; MOST];
-        for (i, m) in met.iter().enumerate() {
+    pub(super) fn point(&mut self, p: u32, met: &mut [Met], rims: bool) {
+        let width = BORDER * self.site.reach.touching;
+        for i in 0..met.len() {
+            let m = &met[i];
             let touches = m.is_shallow() || self.touches.touched([p, m.point, m.face]);
-            let width = BORDER * self.site.reach.touching;
-            bears[i] =
-                m.lie == Lie::Over && touches && !met.iter().any(|other| m.yields_to(other, width));
+            let over = m.lie == Lie::Over && touches;
+            met[i].bears = over && !met.iter().any(|other| met[i].yields_to(other, width));
         }
         let deepest = self.touches.deepest([p, met[0].point]);
-        if !bears.contains(&true) {
+        if !met.iter().any(|m| m.bears) {
             let alone = |m: &Met| m.lie != Lie::Past || met.iter().any(|o| self.are_crease(m, o));
             let all = (0..met.len()).filter(|&i| alone(&met[i]));
             let nearest = all.min_by(|&i, &k| met[i].depth.total_cmp(&met[k].depth));
@@ -237,22 +236,21 @@ impl Making<'_, '_> {
             if !as_deep(deepest) && !on_rim {
                 return;
             }
-            bears[nearest] = true;
+            met[nearest].bears = true;
         }
         // From face to face round a node.
-        let bears_too = |bears: &[bool; MOST]| {
-            (0..met.len()).find(|&i| {
-                let m = &met[i];
+        let bears_too = |met: &[Met]| {
+            met.iter().position(|m| {
                 let as_deep = m.is_shallow() || deepest.is_some_and(|before| m.excess <= before);
-                let mut bearing = met.iter().zip(bears).filter(|(_, bears)| **bears);
-                let open = !bears[i] && m.lie != Lie::Over && as_deep;
-                open && bearing.any(|(other, _)| self.are_crease(m, other))
+                let mut bearing = met.iter().filter(|other| other.bears);
+                let open = !m.bears && m.lie != Lie::Over && as_deep;
+                open && bearing.any(|other| self.are_crease(m, other))
             })
         };
-        while let Some(i) = bears_too(&bears) {
-            bears[i] = true;
+        while let Some(i) = bears_too(met) {
+            met[i].bears = true;
         }
-        for (m, _) in met.iter().zip(bears).filter(|(_, bears)| *bears) {
+        for m in met.iter().filter(|m| m.bears) {
             self.add_met(p, m);
         }
     }

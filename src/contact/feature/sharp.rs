@@ -108,7 +108,7 @@ impl Pairs {
             (making.near, making.deep) = (farthest, true);
             look(making, met);
         }
-        for met in met.chunk_by(|a, b| a.point == b.point) {
+        for met in met.chunk_by_mut(|a, b| a.point == b.point) {
             making.point(kind, met, false);
         }
         (making.near, making.deep) = (near, false);
