@@ -245,6 +245,6 @@ fn a_slab_slides_out_of_wider_jaws() {
             deformables.step(&mut world);
         }
         let expected = -(90.0 - 60.0) / 90.0 * 9.81 * 0.4;
-        close("speed [m/s]", deformables[slab].linvel().y, expected, 0.01);
+        close("speed [m/s]", deformables[slab].linvel().y, expected, 5e-3);
     }
 }
