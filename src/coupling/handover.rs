@@ -47,6 +47,8 @@ pub struct Pending {
     late: Wrench,
     /// The user's own force and torque, to be restored exactly.
     user: (Vector, Vector),
+    /// The length of the step \[s\].
+    dt: f64,
     /// Velocity before the step, and the change a free body would make.
     before: (DVec3, DVec3),
     free: (DVec3, DVec3),
@@ -66,6 +68,7 @@ impl Pending {
             turned: None,
             late: Default::default(),
             user: (Vector::ZERO, Vector::ZERO),
+            dt: 0.0,
             before: Default::default(),
             free: Default::default(),
         }
@@ -84,6 +87,7 @@ pub fn before_step(
 ) -> Pending {
     let mut pending = Pending {
         answer,
+        dt,
         user: (body.user_force(), body.user_torque()),
         before: (wide(body.linvel()), wide(body.angvel())),
         ..Pending::nothing()
@@ -144,6 +148,16 @@ fn give(body: &mut RigidBody, (impulse, torque): Wrench) {
     body.apply_torque_impulse(narrow(torque), false);
 }
 
+/// What Rapier's damping has taken of the velocity and spin of a body in a step of `dt` s, and should not have: it damps what the
+/// body has without the impulses that are still to come, which may be what bears its weight. Its shadow is damped as it moves.
+fn not_damped(body: &RigidBody, end: &Shadow, dt: f64) -> (Vector, Vector) {
+    // 1/(1 + d·dt) of it are left.
+    let taken = |left: Vector, damping: f32| wide(left) * (f64::from(damping) * dt);
+    let v = taken(body.linvel(), body.linear_damping()) - end.damped.0;
+    let w = taken(body.angvel(), body.angular_damping()) - end.damped.1;
+    (narrow(v), narrow(w))
+}
+
 /// Momentum for a velocity, axis by axis; 0 along locked axes and for bodies that don't answer at all.
 fn per_axis(velocity: DVec3, inv_mass: DVec3) -> DVec3 {
     let along = |v: f64, w: f64| if w > 0.0 { v / w } else { 0.0 };
@@ -167,13 +181,16 @@ pub fn after_step(
         // Rapier has put it to sleep in this step and its velocity to zero: it stays that way.
         Answer::Free if body.is_sleeping() => return 0.0,
         Answer::Free => {
+            let (v, w) = not_damped(body, end, pending.dt);
             let impulse = end.impulse - pending.given;
             if let Some(turned) = pending.turned {
                 give(body, (impulse, DVec3::ZERO));
                 turn_to(body, end, turned);
             } else {
                 give(body, (impulse, end.torque));
+                body.set_angvel(body.angvel() + w, false);
             }
+            body.set_linvel(body.linvel() + v, false);
         }
         Answer::Constrained | Answer::Jointed | Answer::Link => {
             body.reset_forces(false);
@@ -182,7 +199,13 @@ pub fn after_step(
             body.add_torque(pending.user.1, false);
             // Not to one that Rapier has put to sleep in this step.
             if !body.is_sleeping() {
+                let (v, w) = match pending.answer {
+                    Answer::Constrained => not_damped(body, end, pending.dt),
+                    _ => Default::default(),
+                };
                 give(body, pending.late);
+                body.set_linvel(body.linvel() + v, false);
+                body.set_angvel(body.angvel() + w, false);
             }
             if pending.answer != Answer::Constrained {
                 let (v, w) = pending.before;

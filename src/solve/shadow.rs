@@ -41,6 +41,8 @@ pub struct Shadow {
     pub ahead: DVec3,
     /// Linear and angular damping \[1/s\].
     pub damping: (f64, f64),
+    /// What it has taken of velocity and spin since the rigid step began \[m/s\], \[rad/s\].
+    pub damped: (DVec3, DVec3),
     /// Angular impulse that it takes in the next substep, together with what is tied to it \[N·m·s\].
     pub late_torque: DVec3,
     /// Sum of impulses received \[N·s\].
@@ -90,6 +92,7 @@ impl Shadow {
         lead: None,
         ahead: DVec3::ZERO,
         damping: (0.0, 0.0),
+        damped: (DVec3::ZERO, DVec3::ZERO),
         late_torque: DVec3::ZERO,
         impulse: DVec3::ZERO,
         torque: DVec3::ZERO,
@@ -223,15 +226,16 @@ impl Shadow {
         self
     }
 
-    /// First half of a substep: forces and damping.
+    /// First half of a substep: forces.
     pub fn accelerate(&mut self, h: f64) {
         self.before = (self.v, self.w);
-        self.v = (self.v + self.acceleration * h) / (1.0 + h * self.damping.0);
-        self.w = (self.w + self.spin_up * h) / (1.0 + h * self.damping.1);
+        self.v += self.acceleration * h;
+        self.w += self.spin_up * h;
     }
 
-    /// Second half of a substep: position and orientation.
+    /// Second half of a substep: damping, position and orientation.
     pub fn advance(&mut self, h: f64) {
+        self.damp(h);
         self.shift.0 += self.impulse * h;
         self.shift.1 += self.torque * h;
         self.com += self.v * h;
@@ -253,6 +257,15 @@ impl Shadow {
                 self.w = w;
             }
         }
+    }
+
+    /// What bears a body has stopped it by now, and damping takes nothing of that.
+    fn damp(&mut self, h: f64) {
+        let (linear, angular) = (h * self.damping.0, h * self.damping.1);
+        self.v /= 1.0 + linear;
+        self.w /= 1.0 + angular;
+        self.damped.0 += self.v * linear;
+        self.damped.1 += self.w * angular;
     }
 
     /// Whether its axis of rotation moves so much in a substep of h s that a turn about that at the start is not good enough: for

@@ -133,6 +133,8 @@ impl Group {
         let mut shadows = vec![Shadow::FIXED];
         for ((touched, end), trial) in self.touched.iter().zip(&self.shadows[1..]).zip(trials) {
             let mut shadow = touched.start.led_straight(dt);
+            // What Rapier takes more or less than the substeps do is made good.
+            shadow.damping = (0.0, 0.0);
             let Split { early, late } = trial.split(trial.early, end, share);
             shadow.take(early.0, early.1);
             let mut rest = Shadow {
@@ -160,6 +162,8 @@ impl Group {
         for ((shadow, trial), end) in given {
             let Split { late, .. } = trial.split(trial.early, end, share);
             shadow.take(late.0, late.1);
+            shadow.v -= end.damped.0;
+            shadow.w -= end.damped.1;
         }
         // Joints will pass on what came late; contacts may not be there any more.
         between.restart_joints();

@@ -25,6 +25,21 @@ pub fn of_edges([a, b]: [DVec3; 2], [c, d]: [DVec3; 2], found: &Crossing) -> [DV
     shortened(dual(flat(b - a), flat(d - c)).map(|l| l * found.gap))
 }
 
+/// The same of two springs that belong to no face. Each fills a part of the gap between them, and what acts on its surface acts so
+/// far from its axis. A rope can't be turned about that: of the whole gap, the other one would have to take that couple too, and
+/// would roll round it as round a pulley, without friction.
+pub fn of_springs(
+    [[a, b], [c, d]]: [[DVec3; 2]; 2],
+    found: &Crossing,
+    [first, second]: [f64; 2],
+) -> [DVec3; 2] {
+    let lever = |d: DVec3, part: f64| {
+        let flat = d - found.normal * d.dot(found.normal);
+        flat * (part * found.gap / flat.length_squared())
+    };
+    shortened([lever(b - a, first), lever(d - c, second)])
+}
+
 /// The two vectors in the plane of u and v that have 1 along the one and 0 along the other.
 fn dual(u: DVec3, v: DVec3) -> [DVec3; 2] {
     let across = u.cross(v);
@@ -105,6 +120,38 @@ mod tests {
             sum.length() < 1e-12 && moment.length() < 1e-12,
             "{sum} {moment}"
         );
+    }
+
+    /// What an impulse on its surface does to a spring is one at that place, but for what would turn it about itself.
+    #[test]
+    fn a_spring_takes_an_impulse_on_its_surface() {
+        let a = [DVec3::new(-0.5, 0.1, 0.02), DVec3::new(0.7, 0.1, 0.02)];
+        let b = [DVec3::new(0.1, 0.0, -0.6), DVec3::new(0.2, 0.0, 0.4)];
+        let normal = (a[1] - a[0]).cross(b[1] - b[0]).normalize();
+        let (closest, along) = crate::contact::closest::between_segments(a, b);
+        let along = along.expect("they cross");
+        let points = [a[0].lerp(a[1], along[0]), b[0].lerp(b[1], along[1])];
+        let gap = (points[0] - points[1]).dot(normal);
+        assert!((gap.abs() - closest).abs() < 1e-9);
+        let found = Crossing { along, normal, gap };
+        let [to_a, to_b] = of_springs([a, b], &found, [0.3, 0.7]);
+        let place = points[1].lerp(points[0], 0.7);
+        let j = DVec3::new(0.3, -1.1, 0.8);
+        let [s, t] = along;
+        let of_a = [(a[0], 1.0 - s, -to_a), (a[1], s, to_a)];
+        let of_b = [(b[0], t - 1.0, -to_b), (b[1], -t, to_b)];
+        for (terms, edge, whole) in [(of_a, a, j), (of_b, b, -j)] {
+            let (mut sum, mut moment) = (DVec3::ZERO, DVec3::ZERO);
+            for (end, weight, lever) in terms {
+                let part = j * weight + normal * lever.dot(j);
+                sum += part;
+                moment += (end - place).cross(part);
+            }
+            assert!((sum - whole).length() < 1e-12, "{sum}");
+            let along = (edge[1] - edge[0]).normalize();
+            let across = moment - along * moment.dot(along);
+            assert!(across.length() < 1e-12, "{moment}");
+        }
     }
 
     #[test]

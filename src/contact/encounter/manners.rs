@@ -13,8 +13,8 @@ use rapier3d::dynamics::CoefficientCombineRule;
 pub struct Manners {
     /// Combined μ.
     pub friction: f64,
-    /// Distance they keep: half of both thicknesses \[m\].
-    pub distance: f64,
+    /// What each keeps to itself of the distance between them: half of its thickness \[m\].
+    pub halves: [f64; 2],
     /// Stiffness of their contacts \[N/m\] per point, if they give.
     pub stiffness: Option<f64>,
     /// What each takes of an impulse: 1, or 0 if it dominates the other.
@@ -36,10 +36,11 @@ impl Manners {
             a.friction_combine_rule,
             b.friction_combine_rule,
         );
-        let thickness = outlines[0].thickness(a.thickness) + outlines[1].thickness(b.thickness);
+        let half =
+            |outline: &Outline, surface: &Surface| 0.5 * outline.thickness(surface.thickness);
         Self {
             friction: f64::from(friction).max(0.0),
-            distance: 0.5 * thickness,
+            halves: [half(outlines[0], a), half(outlines[1], b)],
             // Springs in series.
             stiffness: match (a.stiffness, b.stiffness) {
                 (Some(a), Some(b)) => Some(1.0 / (1.0 / f64::from(a) + 1.0 / f64::from(b))),
@@ -50,6 +51,17 @@ impl Manners {
                 f64::from(b.dominance_group <= a.dominance_group),
             ],
         }
+    }
+
+    /// The distance that they keep \[m\].
+    pub fn distance(&self) -> f64 {
+        self.halves[0] + self.halves[1]
+    }
+
+    /// What part of a gap each fills, half of it where neither has a thickness.
+    pub fn parts(&self) -> [f64; 2] {
+        let sum = self.distance();
+        self.halves.map(|h| if sum > 0.0 { h / sum } else { 0.5 })
     }
 }
 
@@ -76,7 +88,8 @@ mod tests {
         let m = Manners::new([&a, &b], [&outline, &outline]);
         assert!((m.friction - 0.4).abs() < 1e-6);
         assert!((m.stiffness.unwrap() - 75.0).abs() < 1e-9);
-        assert!((m.distance - 0.005).abs() < 1e-9);
+        assert!((m.distance() - 0.005).abs() < 1e-9);
+        assert_eq!(m.parts(), [1.0, 0.0]);
         assert_eq!(m.shares, [0.0, 1.0]);
         assert!(admit(&a, &b));
         let apart = Surface {

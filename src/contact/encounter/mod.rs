@@ -97,7 +97,7 @@ impl Encounter {
         if self.edits != edits {
             self.forget();
         }
-        if self.manners.distance != manners.distance {
+        if self.manners.distance() != manners.distance() {
             self.budget = -1.0;
         }
         (self.members, self.pair, self.manners) = (members, pair, manners);

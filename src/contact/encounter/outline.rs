@@ -27,6 +27,13 @@ pub struct Edge {
     pub spring: u32,
 }
 
+impl Edge {
+    /// Whether it belongs to no face.
+    pub fn is_spring(&self) -> bool {
+        self.spring != NONE
+    }
+}
+
 /// What of a body can touch another deformable.
 #[derive(Clone, Debug, Default)]
 pub struct Outline {

@@ -94,7 +94,7 @@ impl Encounter {
                     }
                 },
                 unseen: self.unseen,
-                distance: self.manners.distance,
+                distance: self.manners.distance(),
                 reach,
             };
             if query.known.is_empty() && query.is_out_of_reach(apart.at_least(start, self.way)) {
@@ -119,7 +119,7 @@ impl Encounter {
     ) -> Draft {
         let other = 1 - own;
         let normal = found.normal * query.sign;
-        let depth = self.manners.distance - found.gap;
+        let depth = self.manners.distance() - found.gap;
         let last = query.known.iter().find(|t| t.normal.dot(normal) > 0.7);
         let held = last.and_then(|t| t.anchor);
         let drift = held.map_or(DVec3::ZERO, |(e, w)| query.x - query.other.point(e, w));
@@ -153,7 +153,7 @@ impl Encounter {
         rows: &mut Rows,
         reach: Reach,
     ) {
-        let farthest = self.manners.distance + reach.farthest;
+        let farthest = self.manners.distance() + reach.farthest;
         let (mut at, mut from) = (0, 0);
         while let Some(&(edge, _)) = self.edges.get(at) {
             let start = at;
@@ -190,7 +190,7 @@ impl Encounter {
                     let draft = self.draft_edges(pair, &found, last, bodies, &reach);
                     let into = -draft.velocity(bodies).dot(found.normal);
                     // Edges cannot have passed each other by more since the last substep than they come within one.
-                    let distance = self.manners.distance;
+                    let distance = self.manners.distance();
                     let was = last.map_or(0.0, |t| (t.depth - distance).max(0.0));
                     if -found.gap <= was + reach.come(into) {
                         self.push(&draft, touches, bodies, rows, reach);
@@ -210,7 +210,7 @@ impl Encounter {
     ) -> Draft {
         let [a, b] = bodies.posed;
         let [s, t] = found.along;
-        let depth = self.manners.distance - found.gap;
+        let depth = self.manners.distance() - found.gap;
         let held = last.and_then(|t| t.anchor);
         let drift = held.map_or(DVec3::ZERO, |(_, [s, t, _])| {
             let (a, b) = (a.ends(pair[0]), b.ends(pair[1]));
@@ -219,7 +219,14 @@ impl Encounter {
         let here = (depth >= -reach.touching).then_some((pair[1], [s, t, 0.0]));
         let [a0, a1] = a.outline.edges[pair[0] as usize].nodes;
         let [b0, b1] = b.outline.edges[pair[1] as usize].nodes;
-        let [to_a, to_b] = levers::of_edges(a.ends(pair[0]), b.ends(pair[1]), found);
+        let ends = [a.ends(pair[0]), b.ends(pair[1])];
+        let mut edges = [a, b].into_iter().zip(pair);
+        let ropes = edges.all(|(of, edge)| of.outline.edges[edge as usize].is_spring());
+        let [to_a, to_b] = if ropes {
+            levers::of_springs(ends, found, self.manners.parts())
+        } else {
+            levers::of_edges(ends[0], ends[1], found)
+        };
         Draft {
             terms: [
                 (0, a0, 1.0 - s, -to_a),

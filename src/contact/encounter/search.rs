@@ -45,7 +45,7 @@ impl Encounter {
             outline.refit(state);
             Posed::new(outline, state, origin)
         });
-        let radius = margin + self.manners.distance;
+        let radius = margin + self.manners.distance();
         list_nodes(&mut self.nodes[0], &a, &b, radius);
         list_nodes(&mut self.nodes[1], &b, &a, radius);
         list_edges(&mut self.edges, &a, &b, radius);

@@ -40,6 +40,10 @@ struct RowBefore {
     normal_impulse: f64,
     friction_impulse: DVec3,
     lift: Lift,
+    /// What is left of the friction impulse where the load allows no more \[N·s\].
+    bounded: DVec3,
+    /// Normal and friction impulse that it is compared with.
+    after: (f64, DVec3),
     /// Velocities that are not as asked for \[m/s\].
     excess: f64,
     slip: DVec3,
@@ -49,6 +53,7 @@ struct RowBefore {
 struct TieBefore {
     tie: usize,
     impulse: DVec3,
+    after: DVec3,
     error: DVec3,
 }
 
@@ -74,6 +79,8 @@ impl Attempt {
                 normal_impulse,
                 friction_impulse,
                 lift,
+                bounded: friction_impulse,
+                after: (normal_impulse, friction_impulse),
                 excess,
                 slip,
             }
@@ -82,16 +89,75 @@ impl Attempt {
         self.ties.extend(ties.map(|tie| TieBefore {
             tie,
             impulse: pass.ties[tie].impulse,
+            after: pass.ties[tie].impulse,
             error: pass.tie_error(tie),
         }));
     }
 
+    /// Whether it is to be taken back, as the measure has risen. `fallen` is what all that was tried on the same shadow has changed of it
+    /// in this substep \[J\].
+    ///
+    /// What friction loses with the load that bears it is no choice of a row. Where this counted, a row could not be relieved of a load
+    /// that it need not bear, as friction would hold on to it: so if the load has become less, the measure counts from where
+    /// friction had no more than it may have now, and may rise by as much as it has fallen before.
+    pub fn is_worse(&mut self, pass: &mut Pass, fallen: &mut f64) -> bool {
+        let rise = self.rise(pass);
+        let relieves = self
+            .rows
+            .first()
+            .is_some_and(|before| pass.contacts[before.row].normal_impulse < before.normal_impulse);
+        let may_rise = relieves && *fallen + rise <= 0.0;
+        let worse =
+            rise > 0.0 && !(may_rise && self.bound_friction(pass) && self.rise(pass) <= 0.0);
+        if !worse {
+            *fallen += rise;
+        }
+        worse
+    }
+
+    /// Has it begin with no more friction than the loads allow now; `false` if it did so anyway.
+    fn bound_friction(&mut self, pass: &mut Pass) -> bool {
+        let mut any = false;
+        for before in &mut self.rows {
+            let row = &pass.contacts[before.row];
+            before.after = (row.normal_impulse, row.friction_impulse);
+            let limit = row.friction_limit();
+            before.bounded = before.friction_impulse.clamp_length_max(limit);
+            any |= before.bounded != before.friction_impulse;
+        }
+        if !any {
+            return false;
+        }
+        for before in &self.rows {
+            pass.set_row(before.row, before.normal_impulse, before.bounded);
+        }
+        for before in &mut self.ties {
+            before.after = pass.ties[before.tie].impulse;
+            pass.set_tie(before.tie, before.impulse);
+        }
+        for before in &mut self.rows {
+            let (excess, slip) = pass.velocities(before.row);
+            (before.excess, before.slip) = (excess - before.lift.speed, slip);
+        }
+        for before in &mut self.ties {
+            before.error = pass.tie_error(before.tie);
+        }
+        for before in &self.rows {
+            let (normal, friction) = before.after;
+            pass.set_row(before.row, normal, friction);
+        }
+        for before in &self.ties {
+            pass.set_tie(before.tie, before.after);
+        }
+        true
+    }
+
     /// By how much the measure has risen since \[J\].
-    pub fn height(&self, pass: &Pass) -> f64 {
+    fn rise(&self, pass: &Pass) -> f64 {
         let rows = self.rows.iter().map(|before| {
             let row = &pass.contacts[before.row];
             let pressed = row.normal_impulse - before.normal_impulse;
-            let rubbed = row.friction_impulse - before.friction_impulse;
+            let rubbed = row.friction_impulse - before.bounded;
             let (excess, slip) = pass.errors(before.row);
             pressed * (before.excess + excess) + rubbed.dot(before.slip + slip)
         });
@@ -140,8 +206,15 @@ impl Pass<'_> {
     /// \[m/s\].
     #[inline(always)]
     fn errors(&self, i: usize) -> (f64, DVec3) {
+        let (excess, slip) = self.velocities(i);
+        (excess - self.contacts[i].lift.speed, slip)
+    }
+
+    /// The same without its lift.
+    #[inline(always)]
+    fn velocities(&self, i: usize) -> (f64, DVec3) {
         let (row, relative) = (&self.contacts[i], self.relative(i));
-        (row.excess(relative) - row.lift.speed, row.slip(relative))
+        (row.excess(relative), row.slip(relative))
     }
 
     /// Whether anything comes deeper at more than `fastest` m/s, or is lifted by that much slower than it is to be although it has

@@ -9,7 +9,7 @@ use crate::law::row::Lift;
 const LIFT_IMPULSE: f64 = 6.0;
 
 /// The cosine from which on what is under a node holds it against what presses it down.
-const UNDER: f64 = 0.7;
+pub(super) const UNDER: f64 = 0.7;
 
 impl Pass<'_> {
     /// Finds the rows that are deep, but that no node of theirs can end, and how they lift the body that can: that which the nodes

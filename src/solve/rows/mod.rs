@@ -7,7 +7,8 @@
 //! many rows they have.
 //!
 //! A light node between two heavy bodies takes as many passes as they are heavier than it, if each row sees the node
-//! alone. Rows that share a node with rows on that node alone see what those make of it instead, see `squeeze`.
+//! alone. Rows that share a node with rows on that node alone see what those make of it instead, see `squeeze`, and share the
+//! load of a body evenly, see `spread`.
 
 mod climb;
 mod composite;
@@ -18,6 +19,7 @@ mod pass;
 mod points;
 mod rigid;
 mod settled;
+mod spread;
 mod squeeze;
 mod supports;
 mod tie;
@@ -117,8 +119,12 @@ pub struct Rows {
     squeeze: Squeeze,
     held: Vec<Held>,
     attempt: Attempt,
+    /// Per shadow, what attempts for rows on it have changed of the measure in this substep \[J\].
+    fallen: Vec<f64>,
     composites: Composites,
     clusters: Clusters,
+    /// Per shadow, how many rows have yet to take their share of its load.
+    bearers: Vec<u32>,
     worklist: Worklist,
     answers: Answers,
 }

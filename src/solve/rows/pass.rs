@@ -49,6 +49,8 @@ impl Rows {
         };
         self.composites.start(&points, &mut self.ties, shadows);
         shadows.iter_mut().for_each(Shadow::take_late);
+        self.fallen.clear();
+        self.fallen.resize(shadows.len(), 0.0);
         let mut pass = Pass {
             points,
             contacts: &mut self.contacts,
@@ -59,6 +61,7 @@ impl Rows {
             squeeze: &self.squeeze,
             held: &mut self.held,
             attempt: &mut self.attempt,
+            fallen: &mut self.fallen,
             composites: &mut self.composites,
             worklist: &mut self.worklist,
             answers: &mut self.answers,
@@ -77,7 +80,9 @@ impl Rows {
         pass.start_shadows();
         pass.start_warm(&mut self.clusters);
         pass.pass_over_still();
+        pass.spread_loads(&mut self.bearers);
         pass.converge(passes, self.blow, SINKS * self.push_out, reversed);
+        pass.bound_friction();
         pass.follow_all();
         pass.book();
         self.composites.end(shadows);
@@ -127,6 +132,7 @@ pub(super) struct Pass<'a> {
     pub squeeze: &'a Squeeze,
     pub held: &'a mut [Held],
     pub attempt: &'a mut Attempt,
+    pub fallen: &'a mut [f64],
     pub composites: &'a mut Composites,
     pub worklist: &'a mut Worklist,
     answers: &'a mut Answers,
@@ -388,6 +394,17 @@ impl Pass<'_> {
         let rubbed = row.rub(slip, mass);
         self.give(i, rubbed);
         self.note(i, rubbed)
+    }
+
+    /// Takes back what friction has beyond its limit, where the last visit of a row left a load less than it had.
+    fn bound_friction(&mut self) {
+        for i in 0..self.contacts.len() {
+            let row = &self.contacts[i];
+            let bound = row.friction_impulse.clamp_length_max(row.friction_limit());
+            if bound != row.friction_impulse {
+                self.set_row(i, row.normal_impulse, bound);
+            }
+        }
     }
 
     /// The reactions, summed up for the hand-over.

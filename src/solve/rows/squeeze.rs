@@ -6,6 +6,7 @@
 //! system of all rows, taken over those that are active. After every such impulse the node's own rows answer at once.
 //! Which of them will be active is a guess, so what went uphill is taken back.
 
+use super::climb::Attempt;
 use super::contact::Response;
 use super::pass::Pass;
 use super::{Row, Term, Tie};
@@ -20,7 +21,7 @@ const SETTLED: f64 = 1e-3;
 
 /// Which own rows count as holding a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Hold {
+pub(super) enum Hold {
     /// Those that press now, and along their surfaces those that stick.
     Active,
     /// All, in every direction: what is held more than this does not exist.
@@ -134,6 +135,21 @@ impl Pass<'_> {
         if row.normal_impulse == 0.0 && !row.rubs() && self.missed(i) >= 0.0 {
             return false;
         }
+        let attempt = self.attempt_with(i);
+        let mut changed = self.press_squeezed(i) | self.rub_squeezed(i);
+        self.follow_of(i);
+        if self.end_attempt(attempt, i) {
+            changed = if self.follow_of(i) {
+                self.solve_alone(i)
+            } else {
+                self.solve_row(i)
+            };
+        }
+        changed
+    }
+
+    /// Begins to try what changes a row and the own rows of its nodes.
+    pub(super) fn attempt_with(&mut self, i: usize) -> Attempt {
         let mut attempt = std::mem::take(self.attempt);
         let squeeze = self.squeeze;
         let terms = self.points.terms_of(self.contacts[i].terms);
@@ -142,18 +158,20 @@ impl Pass<'_> {
         let ties = terms.iter().filter_map(|t| squeeze.tie(t.node));
         let ties = ties.filter(|tie| self.composites.of_tie(*tie).is_none());
         attempt.start(self, rows, ties);
-        let mut changed = self.press_squeezed(i) | self.rub_squeezed(i);
-        self.follow_of(i);
-        if attempt.height(self) > 0.0 {
+        attempt
+    }
+
+    /// Takes it back if it was no good; whether it did.
+    pub(super) fn end_attempt(&mut self, mut attempt: Attempt, i: usize) -> bool {
+        let shadow = self.contacts[i].shadow as usize;
+        let mut fallen = self.fallen[shadow];
+        let worse = attempt.is_worse(self, &mut fallen);
+        if worse {
             attempt.undo(self);
-            changed = if self.follow_of(i) {
-                self.solve_alone(i)
-            } else {
-                self.solve_row(i)
-            };
         }
+        self.fallen[shadow] = fallen;
         *self.attempt = attempt;
-        changed
+        worse
     }
 
     /// Solves a row as if it were the only one, but for composites, which answer its normal impulse before it rubs.
@@ -171,7 +189,7 @@ impl Pass<'_> {
 
     /// Has composites answer what was done to their nodes in a row, and these follow what was done to their shadows: whoever
     /// asks for either must see it. Says whether the row has any such node.
-    fn follow_of(&mut self, i: usize) -> bool {
+    pub(super) fn follow_of(&mut self, i: usize) -> bool {
         let terms = self.points.terms;
         let terms = &terms[self.contacts[i].terms.range()];
         let mut any = false;
@@ -272,7 +290,7 @@ impl Pass<'_> {
     }
 
     /// Lets the own rows of a row's nodes answer what it did.
-    fn answer(&mut self, i: usize) {
+    pub(super) fn answer(&mut self, i: usize) {
         let squeeze = self.squeeze;
         let terms = self.points.terms;
         for term in &terms[self.contacts[i].terms.range()] {
@@ -290,7 +308,13 @@ impl Pass<'_> {
 
     /// Effective mass of a row along `direction` with the own rows of its nodes \[kg\]. One that is held from both sides
     /// counts as if it were alone: no impulse can answer it.
-    fn squeezed_mass(&mut self, i: usize, direction: DVec3, softness: f64, hold: Hold) -> f64 {
+    pub(super) fn squeezed_mass(
+        &mut self,
+        i: usize,
+        direction: DVec3,
+        softness: f64,
+        hold: Hold,
+    ) -> f64 {
         let squeezed = direction.dot(self.squeezed_response(i, hold) * direction);
         let Response { own, ref rigid, .. } = self.contacts[i].response;
         let k = squeezed.max(0.0) + direction.dot(*rigid * direction) + softness;

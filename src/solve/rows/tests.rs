@@ -126,6 +126,37 @@ fn a_light_node_between_a_heavy_body_and_the_floor_stops_it() {
     }
 }
 
+/// All of these nodes can bear the body, whichever is asked first: each bears as much of it.
+#[test]
+fn nodes_share_the_load_of_what_squeezes_them() {
+    let v = DVec3::new(0.4, -2.0, 0.0);
+    for reversed in [false, true] {
+        let (mut rows, mut shadows) = squeezed(0.3, v);
+        for node in 1..5 {
+            let new = rows.nodes[0];
+            rows.nodes.push(new);
+            let terms = rows.add_terms([Term {
+                node,
+                weight: 1.0,
+                share: 1.0,
+            }]);
+            for i in 0..2 {
+                let new = Row {
+                    terms,
+                    ..rows.contacts[i]
+                };
+                rows.contacts.push(new);
+            }
+        }
+        rows.solve(&mut shadows, 1e-3, 4, reversed);
+        assert!(shadows[1].v.length() < 1e-3, "{}", shadows[1].v);
+        for row in rows.contacts.iter().filter(|row| row.shadow == 1) {
+            let load = row.normal_impulse;
+            assert!((load - 20.0 / 5.0).abs() < 1e-3, "{reversed}: {load}");
+        }
+    }
+}
+
 /// Friction goes through the node as if the body lay on the floor itself: it loses μ times its normal momentum.
 #[test]
 fn friction_goes_through_a_squeezed_node() {

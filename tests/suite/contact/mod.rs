@@ -9,6 +9,7 @@ mod embed;
 mod fast;
 mod features;
 mod pinned;
+mod presses;
 mod ridges;
 mod seams;
 mod shapes;

@@ -342,3 +342,47 @@ fn a_stack_on_a_stiff_block_stays_where_it_is() {
         assert!((top.y - height).abs() < 0.005 * count as f32, "{top}");
     }
 }
+
+/// What bears a body at rest bears its weight: damping takes nothing of what stands. Symptom: 69.8 N of 78.48 N at a damping of 100/s.
+/// Cause: Rapier damps a velocity without the impulses that the body still has to get.
+#[test]
+fn damping_does_not_lighten_what_rests() {
+    for damping in [5.0, 100.0] {
+        let mut world = PhysicsWorld::default();
+        let mut deformables = DeformableWorld::default();
+        let net = rope(Vector::Y, Vector::ZERO, 10, 1e-4);
+        let thread = DeformableBuilder::new(net)
+            .material(Material::elastic(1e8, 1000.0).viscosity(1e5))
+            .pin(|x| x.y > 0.99);
+        let thread = deformables.insert(thread).unwrap();
+        let body = |at: Vector, world: &mut PhysicsWorld| {
+            let body = RigidBodyBuilder::dynamic().linear_damping(damping);
+            let shape = ColliderBuilder::cuboid(0.1, 0.1, 0.1).mass(8.0);
+            world.insert(body.can_sleep(false).translation(at), shape)
+        };
+        let (hung, _) = body(Vector::NEG_Y * 0.1, &mut world);
+        let pin = Attachment::pin([NodeId(10)]);
+        let pin = deformables
+            .attach(thread, pin, hung, &world.bodies)
+            .unwrap();
+        let block = DeformableBuilder::new(lattice(Vector::splat(0.4), 0.1))
+            .material(Material::elastic(1e6, 200.0).viscosity(1e4))
+            .translation(Vector::new(2.0, 0.0, 0.0))
+            .pin(|x| x.y < -0.19);
+        let block = deformables.insert(block).unwrap();
+        let (_, on) = body(Vector::new(2.0, 0.3, 0.0), &mut world);
+        let mut forces = [0.0; 2];
+        for frame in 0..360 {
+            deformables.step(&mut world);
+            if frame >= 300 {
+                let pulled = deformables.attachment_force(pin).unwrap().0.y;
+                let pressed = deformables.contact_force(block, on).unwrap_or_default().y;
+                forces[0] += pulled / 60.0;
+                forces[1] -= pressed / 60.0;
+            }
+        }
+        for (what, force) in ["hung", "laid"].into_iter().zip(forces) {
+            close(&format!("{what}, {damping}/s"), force, 8.0 * 9.81, 1e-3);
+        }
+    }
+}
