@@ -86,7 +86,7 @@ pub struct Pushed {
 }
 
 impl Pushed {
-    /// Whether it lies beside the solid, although that would push it in this substep: its normal is slanted, see [`is_slanted`], and in some
+    /// Whether it lies beside the solid, although that would push it in this substep: its normal is slanted, see `is_slanted`, and in some
     /// direction in which its surface can be pushed no point of the solid reaches over it by more than what counts as shallow, nor
     /// does after the `way` of this point relative to that one \[m\] while the solid makes its `turn` \[rad\]. Then it is a face beside
     /// the point that is touched, if anything is, and a normal force at the point would brake what slides there and turn what rolls:

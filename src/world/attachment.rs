@@ -101,7 +101,7 @@ impl Attachment {
 
     /// Resultant force at which it breaks \[N\]. The force is an average over 0.1 ms, or over a substep if that is longer: a
     /// single hard blow has an impulse and no force that would not depend on the substep. Nodes that are attached to the surface of
-    /// another deformable are drawn up to it first, at up to [`Params::push_out_speed`](crate::Params::push_out_speed), and the force
+    /// another deformable are drawn up to it first, at up to [`push_out_speed`](super::DeformableParameters::push_out_speed), and the force
     /// of that counts: across a gap of half a millimetre it broke an attachment of 50 N.
     pub fn strength(mut self, force: Real) -> Self {
         self.strength = force;
