@@ -1,7 +1,7 @@
 //! Lifts: how a body gets out of what the nodes that it holds are in.
 
 use super::pass::{Pass, inverse};
-use super::{LEAD_RATE, Term};
+use super::{LEAD_RATE, Row, Term};
 use crate::law::row::Lift;
 
 /// How much impulse a lift may take, in what gives its speed to a free body and the nodes of the row: what rests on
@@ -9,7 +9,7 @@ use crate::law::row::Lift;
 const LIFT_IMPULSE: f64 = 6.0;
 
 /// The cosine from which on what is under a node holds it against what presses it down.
-pub(super) const UNDER: f64 = 0.7;
+const UNDER: f64 = 0.7;
 
 impl Pass<'_> {
     /// Finds the rows that are deep, but that no node of theirs can end, and how they lift the body that can: that which the nodes
@@ -38,9 +38,8 @@ impl Pass<'_> {
                 let own = self.squeeze.own(term.node).filter(|own| *own != i);
                 let mut own = own.map(|own| &self.contacts[own]);
                 own.any(|under| {
-                    let holds = !under.between && !self.worklist.moves(under.shadow);
                     let bottoms = under.depth + row.depth > 0.0;
-                    holds && bottoms && under.normal.dot(row.normal) < -UNDER
+                    bottoms && self.is_held_by(row, under)
                 })
             };
             let terms = self.points.terms_of(row.terms).iter();
@@ -50,6 +49,16 @@ impl Pass<'_> {
                 self.contacts[i].lift = Lift { speed, left };
             }
         }
+    }
+
+    /// Whether what does not move is under a node, by the row `under`, and holds it against what presses on it by `row`.
+    pub(super) fn is_held_by(&self, row: &Row, under: &Row) -> bool {
+        self.is_fixed(under) && under.normal.dot(row.normal) < -UNDER
+    }
+
+    /// Whether a row lies on what does not move.
+    pub(super) fn is_fixed(&self, row: &Row) -> bool {
+        !row.between && !self.worklist.moves(row.shadow)
     }
 
     /// Finds the rows of which all nodes are tied to a body that can move, and that are deep in what can't, and how they lift

@@ -5,8 +5,6 @@
 //! bear everything, the rest of a sheet is drawn away from under the load. So each takes the same share before the passes,
 //! which then find what a body that tilts needs besides.
 
-use super::Row;
-use super::lift::UNDER;
 use super::pass::Pass;
 use super::squeeze::Hold;
 
@@ -25,7 +23,7 @@ impl Pass<'_> {
                 // What the nodes lie on has stopped them before anything presses on them.
                 for term in &terms[self.contacts[i].terms.range()] {
                     for own in squeeze.own(term.node) {
-                        if self.is_ground(&self.contacts[own]) {
+                        if self.is_fixed(&self.contacts[own]) {
                             self.solve_row(own);
                         }
                     }
@@ -58,16 +56,11 @@ impl Pass<'_> {
         let row = &self.contacts[i];
         let lies = |node: u32| {
             let mut own = self.squeeze.own(node).map(|own| &self.contacts[own]);
-            self.squeeze.tie(node).is_none()
-                && own.any(|under| self.is_ground(under) && under.normal.dot(row.normal) < -UNDER)
+            self.squeeze.tie(node).is_none() && own.any(|under| self.is_held_by(row, under))
         };
         let presses = !row.between && self.worklist.moves(row.shadow);
         let mut terms = self.points.terms_of(row.terms).iter();
         presses && terms.all(|t| lies(t.node))
-    }
-
-    fn is_ground(&self, row: &Row) -> bool {
-        !row.between && !self.worklist.moves(row.shadow)
     }
 
     /// Presses a row as one of `rows` that bear the body together, each with the same part of its mass.

@@ -1,6 +1,7 @@
 mod composite;
 mod energy;
 mod joint;
+mod squeeze;
 mod supports;
 
 use super::*;
@@ -96,81 +97,6 @@ fn a_collision_conserves_momentum() {
     assert!((shadow.impulse - (shadow.v - DVec3::new(0.0, 0.3, 0.1)) / 0.5).length() < 1e-12);
 }
 
-/// A node of 10 g lies on the fixed world, and a body of 10 kg comes down on it at `v`.
-fn squeezed(friction: f64, v: DVec3) -> (Rows, [Shadow; 2]) {
-    let mut rows = rows(friction, 0.0, DVec3::ZERO, DVec3::ZERO);
-    rows.nodes[0].inv_mass = 100.0;
-    let above = Row {
-        shadow: 1,
-        normal: DVec3::NEG_Y,
-        ..rows.contacts[0]
-    };
-    rows.contacts.push(above);
-    let body = Shadow {
-        inv_mass: DMat3::from_diagonal(DVec3::splat(0.1)),
-        v,
-        ..Shadow::FIXED
-    };
-    (rows, [Shadow::FIXED, body])
-}
-
-/// Four passes that see the node alone would take a thousandth of the body's momentum each.
-#[test]
-fn a_light_node_between_a_heavy_body_and_the_floor_stops_it() {
-    for reversed in [false, true] {
-        let (mut rows, mut shadows) = squeezed(0.0, DVec3::new(0.0, -2.0, 0.0));
-        rows.solve(&mut shadows, 1e-3, 4, reversed);
-        assert!(shadows[1].v.length() < 1e-6, "{}", shadows[1].v);
-        assert!(rows.nodes[0].v.length() < 1e-6, "{}", rows.nodes[0].v);
-        assert!((shadows[1].impulse.y - 20.0).abs() < 1e-6);
-    }
-}
-
-/// All of these nodes can bear the body, whichever is asked first: each bears as much of it.
-#[test]
-fn nodes_share_the_load_of_what_squeezes_them() {
-    let v = DVec3::new(0.4, -2.0, 0.0);
-    for reversed in [false, true] {
-        let (mut rows, mut shadows) = squeezed(0.3, v);
-        for node in 1..5 {
-            let new = rows.nodes[0];
-            rows.nodes.push(new);
-            let terms = rows.add_terms([Term {
-                node,
-                weight: 1.0,
-                share: 1.0,
-            }]);
-            for i in 0..2 {
-                let new = Row {
-                    terms,
-                    ..rows.contacts[i]
-                };
-                rows.contacts.push(new);
-            }
-        }
-        rows.solve(&mut shadows, 1e-3, 4, reversed);
-        assert!(shadows[1].v.length() < 1e-3, "{}", shadows[1].v);
-        for row in rows.contacts.iter().filter(|row| row.shadow == 1) {
-            let load = row.normal_impulse;
-            assert!((load - 20.0 / 5.0).abs() < 1e-3, "{reversed}: {load}");
-        }
-    }
-}
-
-/// Friction goes through the node as if the body lay on the floor itself: it loses μ times its normal momentum.
-#[test]
-fn friction_goes_through_a_squeezed_node() {
-    for (friction, left) in [(0.3, 0.4), (0.9, 0.0)] {
-        let (mut rows, mut shadows) = squeezed(friction, DVec3::new(1.0, -2.0, 0.0));
-        rows.solve(&mut shadows, 1e-3, 4, false);
-        let v = shadows[1].v;
-        assert!(v.y.abs() < 1e-6, "μ = {friction}: {v}");
-        assert!((v.x - left).abs() < 1e-3, "μ = {friction}: {v}");
-        let node = rows.nodes[0].v.length();
-        assert!(node <= v.length() + 1e-2, "μ = {friction}: {node}");
-    }
-}
-
 /// A body on a table of the same mass, which stands on the fixed world, does not give way to a blow from above, and gives
 /// way to one from the side.
 #[test]
@@ -249,31 +175,6 @@ fn contacts_of_bodies_see_how_these_answer_now() {
         let (v, w) = solve(&mut rows, body);
         let expected = solve(&mut start(), body);
         assert_eq!((v, w), expected);
-    }
-}
-
-/// The friction of an arrival that was carried over is given even where the point is about to leave again.
-#[test]
-fn carried_friction_of_a_squeezed_row_is_not_lost() {
-    for squeezed in [false, true] {
-        let mut rows = rows(0.5, 0.0, DVec3::ZERO, DVec3::new(1.0, 0.2, 0.0));
-        rows.contacts[0].carried = 0.4;
-        if squeezed {
-            let beside = Row {
-                normal: DVec3::Z,
-                depth: -1.0,
-                carried: 0.0,
-                ..rows.contacts[0]
-            };
-            rows.contacts.push(beside);
-        }
-        rows.solve(&mut [Shadow::FIXED], 1e-3, 4, false);
-        let expected = DVec3::new(0.8, 0.2, 0.0);
-        assert!(
-            (rows.nodes[0].v - expected).length() < 1e-12,
-            "{}",
-            rows.nodes[0].v
-        );
     }
 }
 

@@ -439,14 +439,15 @@ fn a_thread_that_runs_round_a_rope_rubs_on_it() {
     );
     let held = round_a_rope(100, [1.3, 1.0], 0.2, 0.6);
     assert!(held.abs() < 0.1, "{held} m/s");
-    // Euler's law: the tensions are as e^(μπ).
-    let ratio = (0.2 * std::f64::consts::PI).exp();
+    // Euler's law of a thread that is not thin: friction acts on its surface, at a radius of 10 mm about the rope's axis, and the
+    // tensions at 11 mm, so their moments are as e^(μπ·10/11).
+    let ratio = (0.2 * std::f64::consts::PI * 10.0 / 11.0).exp();
     let slides = (4.0 - ratio) / (4.0 + ratio + 0.02) * 9.81 * 0.3;
     close(
         "as it slides",
         round_a_rope(200, [4.0, 1.0], 0.2, 0.3),
         slides,
-        0.1,
+        0.03,
     );
 }
 
