@@ -67,7 +67,16 @@ fn outermost(cone: &[DVec3], normal: DVec3) -> impl Iterator<Item = DVec3> {
     let across = cone.iter().map(move |c| along.cross(*c));
     let across = across.filter(|n| n.length_squared() > LEAN * LEAN);
     let both = across.map(DVec3::normalize).flat_map(|n| [n, -n]);
-    both.filter(|n| range(cone, *n).0 >= -ROUNDING)
+    let outermost = both.filter(|n| range(cone, *n).0 >= -ROUNDING);
+    // There are two at most, found once for each edge that lies in their faces.
+    let mut known = [DVec3::ZERO; 2];
+    outermost.filter(move |n| {
+        let is_new = known.iter().all(|k| k.dot(*n) < 1.0 - ROUNDING);
+        if is_new {
+            known = [known[1], *n];
+        }
+        is_new
+    })
 }
 
 /// A point of a surface that a solid may push along a unit normal, in the solid's frame.
@@ -113,13 +122,14 @@ impl Pushed {
         }
         let is_apart = |n: DVec3| {
             let over = solid.farthest_over(place, n);
-            let is_now = over.is_some_and(|over| self.skin + over.dot(n) <= reach.shallow());
+            if !over.is_some_and(|over| self.skin + over.dot(n) <= reach.shallow()) {
+                return false;
+            }
             // The point that is farthest when the solid has turned.
             let over = solid.farthest_over(place, n + n.cross(turn));
-            is_now
-                && over.is_some_and(|over| {
-                    self.skin + (over - way(place + over)).dot(n) <= reach.shallow()
-                })
+            over.is_some_and(|over| {
+                self.skin + (over - way(place + over)).dot(n) <= reach.shallow()
+            })
         };
         let lean = if self.touched { LEAN } else { ROUNDING };
         let cone = &directions[..count];

@@ -8,6 +8,10 @@
 //! own constraints can answer it: a part at the start or at the end, and the rest as a force, split so that it ends where its
 //! shadow is. (The mean force alone, which does not know when in the step the impulse came, lets a jointed pair leave a hard impact
 //! 3 % too slow.) Where the shadow can't foresee the answer, it is the mean force, and the answer is measured.
+//!
+//! Rapier damps what a body has at the end of its step without the impulses still to come, which may be what bears its weight. So it gets
+//! that back, and what damping has taken of its shadow instead: a free body afterwards, one with rigid contacts as a force, for what
+//! they stop is not damped any more. Of what hangs on joints Rapier's own damping stays.
 
 use super::flight::{Flight, rotation_vector};
 use super::linkage::Mobility;
@@ -113,8 +117,12 @@ pub fn before_step(
             pending.free = mobility.answer(end.impulse, end.torque, dt);
             give(body, split.early);
             pending.late = split.late;
-            let force = end.impulse - split.early.0 - split.late.0;
-            let torque = end.torque - split.early.1 - split.late.1;
+            let damped = match answer {
+                Answer::Constrained => damped_momentum(body, end),
+                _ => Wrench::default(),
+            };
+            let force = end.impulse - split.early.0 - split.late.0 - damped.0;
+            let torque = end.torque - split.early.1 - split.late.1 - damped.1;
             body.add_force(narrow(force / dt), false);
             body.add_torque(narrow(torque / dt), false);
         }
@@ -148,14 +156,38 @@ fn give(body: &mut RigidBody, (impulse, torque): Wrench) {
     body.apply_torque_impulse(narrow(torque), false);
 }
 
-/// What Rapier's damping has taken of the velocity and spin of a body in a step of `dt` s, and should not have: it damps what the
-/// body has without the impulses that are still to come, which may be what bears its weight. Its shadow is damped as it moves.
-fn not_damped(body: &RigidBody, end: &Shadow, dt: f64) -> (Vector, Vector) {
+/// What Rapier's damping has taken of the velocity and spin of a body in a step of `dt` s. Nothing can be known of it where it
+/// takes all.
+fn damped_by_rapier(body: &RigidBody, dt: f64) -> (DVec3, DVec3) {
     // 1/(1 + d·dt) of it are left.
-    let taken = |left: Vector, damping: f32| wide(left) * (f64::from(damping) * dt);
-    let v = taken(body.linvel(), body.linear_damping()) - end.damped.0;
-    let w = taken(body.angvel(), body.angular_damping()) - end.damped.1;
-    (narrow(v), narrow(w))
+    let taken = |left: Vector, damping: f32| {
+        let share = f64::from(damping) * dt;
+        if share.is_finite() {
+            wide(left) * share
+        } else {
+            DVec3::ZERO
+        }
+    };
+    (
+        taken(body.linvel(), body.linear_damping()),
+        taken(body.angvel(), body.angular_damping()),
+    )
+}
+
+/// The momentum that damping has taken of a body's shadow.
+fn damped_momentum(body: &RigidBody, end: &Shadow) -> Wrench {
+    let inv_mass = wide(body.mass_properties().effective_inv_mass);
+    let mut inertia = inv_inertia(body);
+    // What is locked has no spin to lose.
+    for k in 0..3 {
+        if inertia.col(k) == DVec3::ZERO {
+            *inertia.col_mut(k) = DVec3::AXES[k];
+        }
+    }
+    (
+        per_axis(end.damped.0, inv_mass),
+        inertia.inverse() * end.damped.1,
+    )
 }
 
 /// Momentum for a velocity, axis by axis; 0 along locked axes and for bodies that don't answer at all.
@@ -181,16 +213,17 @@ pub fn after_step(
         // Rapier has put it to sleep in this step and its velocity to zero: it stays that way.
         Answer::Free if body.is_sleeping() => return 0.0,
         Answer::Free => {
-            let (v, w) = not_damped(body, end, pending.dt);
+            let taken = damped_by_rapier(body, pending.dt);
+            let (v, w) = (taken.0 - end.damped.0, taken.1 - end.damped.1);
             let impulse = end.impulse - pending.given;
             if let Some(turned) = pending.turned {
                 give(body, (impulse, DVec3::ZERO));
                 turn_to(body, end, turned);
             } else {
                 give(body, (impulse, end.torque));
-                body.set_angvel(body.angvel() + w, false);
+                body.set_angvel(body.angvel() + narrow(w), false);
             }
-            body.set_linvel(body.linvel() + v, false);
+            body.set_linvel(body.linvel() + narrow(v), false);
         }
         Answer::Constrained | Answer::Jointed | Answer::Link => {
             body.reset_forces(false);
@@ -200,12 +233,12 @@ pub fn after_step(
             // Not to one that Rapier has put to sleep in this step.
             if !body.is_sleeping() {
                 let (v, w) = match pending.answer {
-                    Answer::Constrained => not_damped(body, end, pending.dt),
+                    Answer::Constrained => damped_by_rapier(body, pending.dt),
                     _ => Default::default(),
                 };
                 give(body, pending.late);
-                body.set_linvel(body.linvel() + v, false);
-                body.set_angvel(body.angvel() + w, false);
+                body.set_linvel(body.linvel() + narrow(v), false);
+                body.set_angvel(body.angvel() + narrow(w), false);
             }
             if pending.answer != Answer::Constrained {
                 let (v, w) = pending.before;

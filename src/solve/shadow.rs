@@ -233,9 +233,8 @@ impl Shadow {
         self.w += self.spin_up * h;
     }
 
-    /// Second half of a substep: damping, position and orientation.
+    /// Second half of a substep: position and orientation, with the velocities that rows were solved for, and then damping.
     pub fn advance(&mut self, h: f64) {
-        self.damp(h);
         self.shift.0 += self.impulse * h;
         self.shift.1 += self.torque * h;
         self.com += self.v * h;
@@ -257,15 +256,16 @@ impl Shadow {
                 self.w = w;
             }
         }
+        self.damp(h);
     }
 
     /// What bears a body has stopped it by now, and damping takes nothing of that.
     fn damp(&mut self, h: f64) {
-        let (linear, angular) = (h * self.damping.0, h * self.damping.1);
-        self.v /= 1.0 + linear;
-        self.w /= 1.0 + angular;
-        self.damped.0 += self.v * linear;
-        self.damped.1 += self.w * angular;
+        let (v, w) = (self.v, self.w);
+        self.v /= 1.0 + h * self.damping.0;
+        self.w /= 1.0 + h * self.damping.1;
+        self.damped.0 += v - self.v;
+        self.damped.1 += w - self.w;
     }
 
     /// Whether its axis of rotation moves so much in a substep of h s that a turn about that at the start is not good enough: for

@@ -133,8 +133,12 @@ impl Group {
         let mut shadows = vec![Shadow::FIXED];
         for ((touched, end), trial) in self.touched.iter().zip(&self.shadows[1..]).zip(trials) {
             let mut shadow = touched.start.led_straight(dt);
-            // What Rapier takes more or less than the substeps do is made good.
+            // What is damped at the end of the step, or on a free body afterwards, follows below.
             shadow.damping = (0.0, 0.0);
+            if touched.answer == Answer::Constrained {
+                shadow.acceleration -= end.damped.0 / dt;
+                shadow.spin_up -= end.damped.1 / dt;
+            }
             let Split { early, late } = trial.split(trial.early, end, share);
             shadow.take(early.0, early.1);
             let mut rest = Shadow {
@@ -159,11 +163,20 @@ impl Group {
             }
         }
         let given = shadows[1..].iter_mut().zip(trials).zip(&self.shadows[1..]);
-        for ((shadow, trial), end) in given {
+        for (((shadow, trial), end), touched) in given.zip(&self.touched) {
             let Split { late, .. } = trial.split(trial.early, end, share);
             shadow.take(late.0, late.1);
-            shadow.v -= end.damped.0;
-            shadow.w -= end.damped.1;
+            match touched.answer {
+                Answer::Constrained => {}
+                Answer::Free => {
+                    shadow.v -= end.damped.0;
+                    shadow.w -= end.damped.1;
+                }
+                Answer::None | Answer::Jointed | Answer::Link => {
+                    shadow.v /= 1.0 + end.damping.0 * dt;
+                    shadow.w /= 1.0 + end.damping.1 * dt;
+                }
+            }
         }
         // Joints will pass on what came late; contacts may not be there any more.
         between.restart_joints();

@@ -11,6 +11,9 @@ use crate::math::DVec3;
 /// Edges that bend by less than this (1.5°) are flat \[rad\].
 const FLAT: f64 = 0.026;
 
+/// The cosine of a face with the normal of a contact up to which it is too steep to take the couple of friction.
+const STEEP: f64 = 0.5;
+
 /// How deep, per edge, two edges of solids can be in each other.
 const DEEPEST: f64 = 0.25;
 
@@ -56,6 +59,23 @@ fn stands_out(body: &Posed, edge: u32, flanks: &[DVec3; 2]) -> bool {
         return false;
     }
     !body.outline.closed || inwards.dot(body.edge_normal(edge)) < 0.0
+}
+
+/// The face of an edge that looks most along a unit `normal`: its third corner, and its corners from those of the edge on; `None` where it
+/// is seen too steeply to take a couple.
+pub fn face_across(body: &Posed, edge: u32, normal: DVec3) -> Option<(u32, [DVec3; 3])> {
+    let e = &body.outline.edges[edge as usize];
+    let [a, b] = body.ends(edge);
+    let faces = e.faces.iter().filter(|face| **face != NONE);
+    let seen = faces.filter_map(|&face| {
+        let nodes = body.outline.elements[face as usize];
+        let third = *nodes.iter().find(|n| !e.nodes.contains(n))?;
+        let corners = [a, b, body.at(third)];
+        let out = (b - a).cross(corners[2] - a).normalize_or_zero();
+        Some((out.dot(normal).abs(), third, corners))
+    });
+    let (cosine, third, corners) = seen.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (cosine > STEEP).then_some((third, corners))
 }
 
 /// Where edge `edges[0]` of the first body and `edges[1]` of the second cross, if they do: they come nearest at `along` of

@@ -3,7 +3,8 @@
 use super::edge::Crossing;
 use crate::math::DVec3;
 
-/// Where a surface is seen so steeply that levers are longer than this, all are shortened: the couple is not whole then.
+/// Where a surface is seen so steeply, or is so thick for its elements, that levers are longer than this, all of one side's or of two that
+/// depend on each other are shortened: the couple is not whole then.
 const LONGEST: f64 = 1.0;
 
 /// Those of the corners of an element that an impulse acts beside, `gap` m away along the normal. An element with two corners
@@ -25,19 +26,14 @@ pub fn of_edges([a, b]: [DVec3; 2], [c, d]: [DVec3; 2], found: &Crossing) -> [DV
     shortened(dual(flat(b - a), flat(d - c)).map(|l| l * found.gap))
 }
 
-/// The same of two springs that belong to no face. Each fills a part of the gap between them, and what acts on its surface acts so
-/// far from its axis. A rope can't be turned about that: of the whole gap, the other one would have to take that couple too, and
-/// would roll round it as round a pulley, without friction.
-pub fn of_springs(
-    [[a, b], [c, d]]: [[DVec3; 2]; 2],
-    found: &Crossing,
-    [first, second]: [f64; 2],
-) -> [DVec3; 2] {
-    let lever = |d: DVec3, part: f64| {
-        let flat = d - found.normal * d.dot(found.normal);
-        flat * (part * found.gap / flat.length_squared())
-    };
-    shortened([lever(b - a, first), lever(d - c, second)])
+/// That of the second end of a spring that belongs to no face; the first end has the opposite one. It fills `part` m of the gap, and what acts
+/// on its surface acts so far from its axis. A rope can't be turned about that: if what it meets took that couple too, that would
+/// give way as if it could roll round the rope's axis, and there would be no friction.
+pub fn of_spring([a, b]: [DVec3; 2], normal: DVec3, part: f64) -> DVec3 {
+    let along = b - a;
+    let flat = along - normal * along.dot(normal);
+    let [lever] = shortened([flat * (part / flat.length_squared())]);
+    lever
 }
 
 /// The two vectors in the plane of u and v that have 1 along the one and 0 along the other.
@@ -133,8 +129,7 @@ mod tests {
         let points = [a[0].lerp(a[1], along[0]), b[0].lerp(b[1], along[1])];
         let gap = (points[0] - points[1]).dot(normal);
         assert!((gap.abs() - closest).abs() < 1e-9);
-        let found = Crossing { along, normal, gap };
-        let [to_a, to_b] = of_springs([a, b], &found, [0.3, 0.7]);
+        let [to_a, to_b] = [(a, 0.3), (b, 0.7)].map(|(e, part)| of_spring(e, normal, part * gap));
         let place = points[1].lerp(points[0], 0.7);
         let j = DVec3::new(0.3, -1.1, 0.8);
         let [s, t] = along;

@@ -13,6 +13,9 @@ use crate::math::DVec3;
 /// Two solids touch only where their surfaces look at each other: the cosine of their normals is less than this.
 const FACING: f64 = -0.1;
 
+/// From this cosine on an edge comes along the surface of a node rather than on it.
+const ALONG: f64 = -0.5;
+
 /// How far beside a rim a node still counts as lying on it, per distance that counts as touching.
 const RIM: f64 = 100.0;
 
@@ -147,9 +150,19 @@ impl Query<'_> {
     }
 
     fn see_solid(&self, way: &Way) -> Option<Found> {
-        let found = self.outside_of(way);
+        let mut found = self.outside_of(way);
         let own = (self.own_normal)().normalize_or_zero();
-        if own != DVec3::ZERO && found.normal.dot(own) > FACING {
+        let facing = found.normal.dot(own);
+        let is_near = -way.way.dot(own) < self.reach.touching;
+        if way.nearest.feature != Feature::Face && FACING >= facing && facing > ALONG && is_near {
+            // A rim that comes along the surface of the node, over it by less than counts as touching: it is the face that will lie on it.
+            // Along the way to the rim it would be stopped as by a wall, though nothing is in its way.
+            let normal = self.other.facing(way.element, way.nearest.feature, own);
+            if normal.dot(own) < facing {
+                found = Found::new(way, normal, way.way.dot(normal));
+            }
+        }
+        if own != DVec3::ZERO && facing > FACING {
             // The surfaces do not look at each other: a node under the very rim of a solid is nearest to its side, and
             // would be caught by it, or be let down beside it.
             let back = self.way_back(-own)?;

@@ -25,10 +25,31 @@ pub struct Bodies<'a> {
 
 /// A row to be: a node of which body, its weight and its lever, the touch and where it stands.
 struct Draft {
-    terms: [(usize, u32, f64, DVec3); 4],
+    terms: [(usize, u32, f64, DVec3); 6],
     touch: Touch,
     depth: f64,
     drift: DVec3,
+}
+
+/// A term that is none.
+const NOTHING: (usize, u32, f64, DVec3) = (0, 0, 0.0, DVec3::ZERO);
+
+/// The levers of an edge.
+struct Levers {
+    /// Of its ends.
+    ends: [DVec3; 2],
+    /// The third corner of a face of it that takes the couple, and its lever.
+    third: Option<(u32, DVec3)>,
+}
+
+impl Levers {
+    /// Those of the ends alone, given that of the second.
+    fn of_ends(lever: DVec3) -> Self {
+        Self {
+            ends: [-lever, lever],
+            third: None,
+        }
+    }
 }
 
 impl Draft {
@@ -131,7 +152,7 @@ impl Encounter {
         let corner = |k: usize| (other, corners[k], -query.sign * found.weights[k], levers[k]);
         let node = (own, node, query.sign, DVec3::ZERO);
         Draft {
-            terms: [node, corner(0), corner(1), corner(2)],
+            terms: [node, corner(0), corner(1), corner(2), NOTHING, NOTHING],
             touch: Touch {
                 own: node.1,
                 other: found.element,
@@ -217,22 +238,23 @@ impl Encounter {
             a[0].lerp(a[1], s) - b[0].lerp(b[1], t)
         });
         let here = (depth >= -reach.touching).then_some((pair[1], [s, t, 0.0]));
-        let [a0, a1] = a.outline.edges[pair[0] as usize].nodes;
-        let [b0, b1] = b.outline.edges[pair[1] as usize].nodes;
-        let ends = [a.ends(pair[0]), b.ends(pair[1])];
-        let mut edges = [a, b].into_iter().zip(pair);
-        let ropes = edges.all(|(of, edge)| of.outline.edges[edge as usize].is_spring());
-        let [to_a, to_b] = if ropes {
-            levers::of_springs(ends, found, self.manners.parts())
-        } else {
-            levers::of_edges(ends[0], ends[1], found)
+        let [first, second] = self.edge_levers(pair, found, bodies);
+        let end = |body: usize, k: usize, weight: f64, levers: &Levers| {
+            let node = bodies.posed[body].outline.edges[pair[body] as usize].nodes[k];
+            (body, node, weight, levers.ends[k])
+        };
+        let third = |body: usize, levers: &Levers| {
+            let third = levers.third.map(|(node, lever)| (body, node, 0.0, lever));
+            third.unwrap_or(NOTHING)
         };
         Draft {
             terms: [
-                (0, a0, 1.0 - s, -to_a),
-                (0, a1, s, to_a),
-                (1, b0, t - 1.0, -to_b),
-                (1, b1, -t, to_b),
+                end(0, 0, 1.0 - s, &first),
+                end(0, 1, s, &first),
+                end(1, 0, t - 1.0, &second),
+                end(1, 1, -t, &second),
+                third(0, &first),
+                third(1, &second),
             ],
             touch: Touch {
                 own: pair[0],
@@ -245,6 +267,34 @@ impl Encounter {
             },
             depth,
             drift,
+        }
+    }
+
+    /// The levers of two edges that cross. A spring can't be turned about its own axis: if one of them is such, a face of the other takes the
+    /// couple, as it does under a node, and where it is seen along its face, and can't, each takes that of its own part of the gap.
+    fn edge_levers(&self, pair: [u32; 2], found: &edge::Crossing, bodies: &Bodies) -> [Levers; 2] {
+        let is_spring = |k: usize| bodies.posed[k].outline.edges[pair[k] as usize].is_spring();
+        let ends = [0, 1].map(|k| bodies.posed[k].ends(pair[k]));
+        if !is_spring(0) && !is_spring(1) {
+            return levers::of_edges(ends[0], ends[1], found).map(Levers::of_ends);
+        }
+        let face = |k: usize| {
+            let (third, corners) = edge::face_across(&bodies.posed[k], pair[k], found.normal)?;
+            let [a, b, c] = levers::of_face(corners, found.normal, found.gap);
+            Some(Levers {
+                ends: [a, b],
+                third: Some((third, c)),
+            })
+        };
+        let none = || Levers::of_ends(DVec3::ZERO);
+        match [face(0), face(1)] {
+            [Some(first), None] => [first, none()],
+            [None, Some(second)] => [none(), second],
+            _ => {
+                let parts = self.manners.parts().map(|part| part * found.gap);
+                let of_spring = |k: usize| levers::of_spring(ends[k], found.normal, parts[k]);
+                [0, 1].map(|k| Levers::of_ends(of_spring(k)))
+            }
         }
     }
 

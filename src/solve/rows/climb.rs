@@ -1,11 +1,12 @@
 //! What impulses do to the measure that all rows together minimise.
 //!
 //! With λ the impulses of the rows, A their response, u their velocities before any of them and a those asked for, a pass
-//! goes down ½·λ·A·λ + λ·(u − a). What starts at zero and only descends ends below zero: it takes energy and gives none,
-//! but for what the a ask for. A guess that went uphill is known by this, whatever else it has settled.
+//! goes down ½·λ·A·λ + λ·(u − a). What starts at zero and ends below zero takes energy and gives none, but for what the a
+//! ask for. A guess that went uphill is known by this, whatever else it has settled. Only what friction loses with its load may be
+//! uphill, and no more than other attempts for rows on the same shadow have gone down.
 
-use super::Row;
 use super::pass::Pass;
+use super::{LEAD_RATE, Row};
 use crate::law::row::Lift;
 use crate::math::DVec3;
 
@@ -32,6 +33,8 @@ impl Climb {
 pub(super) struct Attempt {
     rows: Vec<RowBefore>,
     ties: Vec<TieBefore>,
+    /// Rows and what their friction is bound to lose \[N·s\].
+    lost: Vec<(usize, DVec3)>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -40,10 +43,6 @@ struct RowBefore {
     normal_impulse: f64,
     friction_impulse: DVec3,
     lift: Lift,
-    /// What is left of the friction impulse where the load allows no more \[N·s\].
-    bounded: DVec3,
-    /// Normal and friction impulse that it is compared with.
-    after: (f64, DVec3),
     /// Velocities that are not as asked for \[m/s\].
     excess: f64,
     slip: DVec3,
@@ -53,7 +52,6 @@ struct RowBefore {
 struct TieBefore {
     tie: usize,
     impulse: DVec3,
-    after: DVec3,
     error: DVec3,
 }
 
@@ -79,8 +77,6 @@ impl Attempt {
                 normal_impulse,
                 friction_impulse,
                 lift,
-                bounded: friction_impulse,
-                after: (normal_impulse, friction_impulse),
                 excess,
                 slip,
             }
@@ -89,75 +85,63 @@ impl Attempt {
         self.ties.extend(ties.map(|tie| TieBefore {
             tie,
             impulse: pass.ties[tie].impulse,
-            after: pass.ties[tie].impulse,
             error: pass.tie_error(tie),
         }));
     }
 
-    /// Whether it is to be taken back, as the measure has risen. `fallen` is what all that was tried on the same shadow has changed of it
-    /// in this substep \[J\].
+    /// Whether it is to be taken back, as it has changed the measure by a `rise` \[J\] above zero. `fallen` is by how much all attempts for
+    /// rows on the same shadow have changed it in this substep.
     ///
     /// What friction loses with the load that bears it is no choice of a row. Where this counted, a row could not be relieved of a load
     /// that it need not bear, as friction would hold on to it: so if the load has become less, the measure counts from where
     /// friction had no more than it may have now, and may rise by as much as it has fallen before.
-    pub fn is_worse(&mut self, pass: &mut Pass, fallen: &mut f64) -> bool {
-        let rise = self.rise(pass);
-        let relieves = self
-            .rows
-            .first()
-            .is_some_and(|before| pass.contacts[before.row].normal_impulse < before.normal_impulse);
-        let may_rise = relieves && *fallen + rise <= 0.0;
-        let worse =
-            rise > 0.0 && !(may_rise && self.bound_friction(pass) && self.rise(pass) <= 0.0);
-        if !worse {
-            *fallen += rise;
-        }
-        worse
+    pub fn is_worse(&mut self, pass: &mut Pass, rise: f64, fallen: f64) -> bool {
+        let relieves = |pass: &Pass| {
+            let first = self.rows.first();
+            first.is_some_and(|b| pass.contacts[b.row].normal_impulse < b.normal_impulse)
+        };
+        let may_rise = fallen + rise <= 0.0 && relieves(pass);
+        rise > 0.0 && !(may_rise && rise <= self.forced(pass))
     }
 
-    /// Has it begin with no more friction than the loads allow now; `false` if it did so anyway.
-    fn bound_friction(&mut self, pass: &mut Pass) -> bool {
-        let mut any = false;
-        for before in &mut self.rows {
-            let row = &pass.contacts[before.row];
-            before.after = (row.normal_impulse, row.friction_impulse);
-            let limit = row.friction_limit();
-            before.bounded = before.friction_impulse.clamp_length_max(limit);
-            any |= before.bounded != before.friction_impulse;
-        }
-        if !any {
-            return false;
-        }
+    /// By how much the measure rises as friction loses what the loads don't allow any more \[J\]: d·e + ½·d·A·d for that change d of the
+    /// impulses and the velocities e before the attempt.
+    fn forced(&mut self, pass: &mut Pass) -> f64 {
+        let mut rise = 0.0;
+        self.lost.clear();
         for before in &self.rows {
-            pass.set_row(before.row, before.normal_impulse, before.bounded);
+            if let Some(bounded) = pass.contacts[before.row].bounded(before.friction_impulse) {
+                let lost = bounded - before.friction_impulse;
+                rise += lost.dot(before.slip);
+                self.lost.push((before.row, lost));
+            }
         }
-        for before in &mut self.ties {
-            before.after = pass.ties[before.tie].impulse;
-            pass.set_tie(before.tie, before.impulse);
+        if self.lost.is_empty() {
+            return 0.0;
         }
-        for before in &mut self.rows {
-            let (excess, slip) = pass.velocities(before.row);
-            (before.excess, before.slip) = (excess - before.lift.speed, slip);
-        }
-        for before in &mut self.ties {
-            before.error = pass.tie_error(before.tie);
-        }
-        for before in &self.rows {
-            let (normal, friction) = before.after;
-            pass.set_row(before.row, normal, friction);
-        }
-        for before in &self.ties {
-            pass.set_tie(before.tie, before.after);
-        }
-        true
+        let slips = |pass: &Pass| -> f64 {
+            let each = self.lost.iter();
+            each.map(|(row, lost)| lost.dot(pass.slip(*row))).sum()
+        };
+        let give = |pass: &mut Pass, sign: f64| {
+            for (row, lost) in &self.lost {
+                pass.give(*row, sign * *lost);
+            }
+            pass.follow_of(self.rows[0].row);
+        };
+        let now = slips(pass);
+        give(pass, 1.0);
+        rise += 0.5 * (slips(pass) - now);
+        give(pass, -1.0);
+        rise
     }
 
     /// By how much the measure has risen since \[J\].
-    fn rise(&self, pass: &Pass) -> f64 {
+    pub fn rise(&self, pass: &Pass) -> f64 {
         let rows = self.rows.iter().map(|before| {
             let row = &pass.contacts[before.row];
             let pressed = row.normal_impulse - before.normal_impulse;
-            let rubbed = row.friction_impulse - before.bounded;
+            let rubbed = row.friction_impulse - before.friction_impulse;
             let (excess, slip) = pass.errors(before.row);
             pressed * (before.excess + excess) + rubbed.dot(before.slip + slip)
         });
@@ -206,28 +190,22 @@ impl Pass<'_> {
     /// \[m/s\].
     #[inline(always)]
     fn errors(&self, i: usize) -> (f64, DVec3) {
-        let (excess, slip) = self.velocities(i);
-        (excess - self.contacts[i].lift.speed, slip)
-    }
-
-    /// The same without its lift.
-    #[inline(always)]
-    fn velocities(&self, i: usize) -> (f64, DVec3) {
         let (row, relative) = (&self.contacts[i], self.relative(i));
-        (row.excess(relative), row.slip(relative))
+        (row.excess(relative) - row.lift.speed, row.slip(relative))
     }
 
-    /// Whether anything comes deeper at more than `fastest` m/s, or is lifted by that much slower than it is to be although it has
-    /// impulse left for it.
+    /// Whether anything comes deeper at more than `fastest` m/s, or where it is deep already at a tenth of that, or is lifted by that
+    /// much slower than it is to be although it has impulse left for it.
     pub fn sinks(&self, fastest: f64) -> bool {
-        let missed = |i: usize| {
-            if self.contacts[i].lift.left > 0.0 {
-                self.missed(i)
-            } else {
-                self.excess(i)
+        let sinks = |row: usize| {
+            let Row { lift, depth, .. } = self.contacts[row];
+            if lift.left > 0.0 {
+                return self.missed(row) < -fastest;
             }
+            let slower = (fastest - LEAD_RATE * depth.max(0.0)).max(0.1 * fastest);
+            self.excess(row) < -slower
         };
-        (0..self.contacts.len()).any(|i| missed(i) < -fastest)
+        (0..self.contacts.len()).any(sinks)
     }
 
     /// Gives a row other impulses.

@@ -10,6 +10,9 @@ use crate::math::{DMat3, DVec3};
 /// bounds. A body that can be stopped throws them no harder than its own energy does.
 pub(super) const LEVER: f64 = 10.0;
 
+/// What a friction impulse that was set to its limit may be beyond that, as a share of its square.
+const ROUNDING: f64 = 1e-12;
+
 /// How the two sides of a row answer its impulses, set by the pass for a substep.
 #[derive(Clone, Copy, Debug)]
 pub struct Response {
@@ -151,6 +154,13 @@ impl Row {
     /// The most that friction can do \[N·s\].
     pub fn friction_limit(&self) -> f64 {
         self.friction * (self.normal_impulse + self.carried)
+    }
+
+    /// A friction impulse at its limit, if it is beyond that and not only by rounding \[N·s\].
+    pub(super) fn bounded(&self, friction: DVec3) -> Option<DVec3> {
+        let (square, limit) = (friction.length_squared(), self.friction_limit());
+        let beyond = square > limit * limit * (1.0 + ROUNDING);
+        beyond.then(|| friction * (limit / square.sqrt()))
     }
 
     /// Whether friction holds the point: it is pressed on, and not at the limit of its cone.

@@ -51,14 +51,14 @@ impl Pass<'_> {
         }
     }
 
-    /// Whether what does not move is under a node, by the row `under`, and holds it against what presses on it by `row`.
+    /// Whether what does not give way is under a node, by the row `under`, and holds it against what presses on it by `row`.
     pub(super) fn is_held_by(&self, row: &Row, under: &Row) -> bool {
         self.is_fixed(under) && under.normal.dot(row.normal) < -UNDER
     }
 
-    /// Whether a row lies on what does not move.
+    /// Whether a row lies on what does not give way along its normal.
     pub(super) fn is_fixed(&self, row: &Row) -> bool {
-        !row.between && !self.worklist.moves(row.shadow)
+        !row.between && row.response.rigid_along(row.normal) == 0.0
     }
 
     /// Finds the rows of which all nodes are tied to a body that can move, and that are deep in what can't, and how they lift

@@ -23,6 +23,7 @@ mod spread;
 mod squeeze;
 mod supports;
 mod tie;
+mod visit;
 mod warm;
 mod worklist;
 
@@ -37,6 +38,7 @@ pub use rigid::RigidRow;
 use rigid::{Answers, start_rigid};
 use settled::Settled;
 pub use settled::{Give, Negligible};
+use spread::Bearer;
 use squeeze::{Held, Squeeze};
 pub use tie::Tie;
 use warm::Clusters;
@@ -119,12 +121,13 @@ pub struct Rows {
     squeeze: Squeeze,
     held: Vec<Held>,
     attempt: Attempt,
-    /// Per shadow, what attempts for rows on it have changed of the measure in this substep \[J\].
+    /// Per shadow, by how much attempts for rows on it have changed the measure in this substep \[J\]: the first is that of all rows on what
+    /// does not move and between deformables.
     fallen: Vec<f64>,
     composites: Composites,
     clusters: Clusters,
-    /// Per shadow, how many rows have yet to take their share of its load.
-    bearers: Vec<u32>,
+    bearers: Vec<Bearer>,
+    tried: Vec<usize>,
     worklist: Worklist,
     answers: Answers,
 }

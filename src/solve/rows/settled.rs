@@ -11,6 +11,9 @@ use crate::math::{DMat3, sum_of_squares};
 /// What a visit may leave nodes off by, as an acceleration over the substep and as a speed, which is half of that at which
 /// bodies fall asleep \[length units/s², length units/s\].
 const NODES: (f64, f64) = (10.0, 1e-3);
+/// And in parts of that between two deformables: both come nearer by it in every substep, and are moved out again, which gives what
+/// contact takes. A stack of six blocks of 16 kg got 0.47 W so, and gets 0.05.
+const BETWEEN: f64 = 0.1;
 /// What a visit may leave rigid bodies off by: a hundredth of gravity \[length units/s²\].
 const SHADOWS: f64 = 0.1;
 
@@ -67,6 +70,13 @@ pub struct Settled {
 }
 
 impl Settled {
+    /// The same for rows between two deformables.
+    #[inline(always)]
+    pub fn between(mut self) -> Self {
+        self.negligible.nodes *= BETWEEN;
+        self
+    }
+
     /// Which sides feel a change of an impulse, by the squares of the change and of the impulse \[N²·s²\].
     #[inline(always)]
     pub fn felt(&self, change: f64, impulse: f64, give: Give) -> Felt {

@@ -135,21 +135,27 @@ impl Pass<'_> {
         if row.normal_impulse == 0.0 && !row.rubs() && self.missed(i) >= 0.0 {
             return false;
         }
-        let attempt = self.attempt_with(i);
+        let mut attempt = self.attempt_with(i);
         let mut changed = self.press_squeezed(i) | self.rub_squeezed(i);
         self.follow_of(i);
-        if self.end_attempt(attempt, i) {
+        let mut rise = attempt.rise(self);
+        let shadow = self.contacts[i].shadow as usize;
+        if attempt.is_worse(self, rise, self.fallen[shadow]) {
+            attempt.undo(self);
             changed = if self.follow_of(i) {
                 self.solve_alone(i)
             } else {
                 self.solve_row(i)
             };
+            rise = attempt.rise(self);
         }
+        self.fallen[shadow] += rise;
+        *self.attempt = attempt;
         changed
     }
 
     /// Begins to try what changes a row and the own rows of its nodes.
-    pub(super) fn attempt_with(&mut self, i: usize) -> Attempt {
+    fn attempt_with(&mut self, i: usize) -> Attempt {
         let mut attempt = std::mem::take(self.attempt);
         let squeeze = self.squeeze;
         let terms = self.points.terms_of(self.contacts[i].terms);
@@ -161,26 +167,13 @@ impl Pass<'_> {
         attempt
     }
 
-    /// Takes it back if it was no good; whether it did.
-    pub(super) fn end_attempt(&mut self, mut attempt: Attempt, i: usize) -> bool {
-        let shadow = self.contacts[i].shadow as usize;
-        let mut fallen = self.fallen[shadow];
-        let worse = attempt.is_worse(self, &mut fallen);
-        if worse {
-            attempt.undo(self);
-        }
-        self.fallen[shadow] = fallen;
-        *self.attempt = attempt;
-        worse
-    }
-
     /// Solves a row as if it were the only one, but for composites, which answer its normal impulse before it rubs.
     fn solve_alone(&mut self, i: usize) -> bool {
         let mut changed = self.press(i, self.contacts[i].response.mass);
         self.follow_of(i);
         let slip = self.slip(i);
         let mass = self.contacts[i].response.mass_along(slip);
-        if self.contacts[i].rubs() && mass > 0.0 {
+        if self.contacts[i].rubs() {
             changed |= self.rub(i, slip, mass);
             self.follow_of(i);
         }
@@ -256,8 +249,16 @@ impl Pass<'_> {
         let row = &self.contacts[i];
         let mut slip = self.slip(i);
         let speed = slip.length();
-        if !row.rubs() || speed == 0.0 || speed.is_nan() {
+        if !row.rubs() || speed.is_nan() {
             return false;
+        }
+        if speed == 0.0 {
+            // There is nothing to stop, but the load may allow less than it did.
+            let changed = self.rub(i, slip, 0.0);
+            if changed {
+                self.answer(i);
+            }
+            return changed;
         }
         let direction = slip / speed;
         let alone = row.response.mass_along(direction);

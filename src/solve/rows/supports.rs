@@ -17,6 +17,7 @@ use crate::math::{DMat3, DVec3};
 use crate::solve::shadow::Shadow;
 
 pub(super) type Mat6 = SMatrix<f64, 6, 6>;
+pub(super) type Vec6 = SVector<f64, 6>;
 
 /// What counts as a motion that supports hold, in parts of the one that they hold most: those on a line don't keep a body
 /// from turning about it, and rounding takes them off it by 1e-7 of their distances, which counts by its square.
@@ -164,8 +165,13 @@ impl Pass<'_> {
 
 /// The product with a motion or a wrench.
 fn times(m: &Mat6, linear: DVec3, angular: DVec3) -> (DVec3, DVec3) {
-    let [a, b] = [linear, angular].map(|v| v.to_array());
-    let product = m * SVector::from([a[0], a[1], a[2], b[0], b[1], b[2]]);
+    let product = m * motion(linear, angular);
     let part = |i: usize| DVec3::new(product[i], product[i + 1], product[i + 2]);
     (part(0), part(3))
+}
+
+/// A motion or a wrench of both parts.
+pub(super) fn motion(linear: DVec3, angular: DVec3) -> Vec6 {
+    let [a, b] = [linear, angular].map(|v| v.to_array());
+    SVector::from([a[0], a[1], a[2], b[0], b[1], b[2]])
 }

@@ -4,6 +4,7 @@
 mod attached;
 mod carried;
 mod cars;
+mod damping;
 mod heap;
 mod impact;
 mod joints;
@@ -11,6 +12,7 @@ mod laden;
 mod links;
 mod platform;
 mod rest;
+mod round;
 mod slender;
 mod soft;
 mod stick;

@@ -375,82 +375,6 @@ fn a_rope_lies_across_a_rope() {
     assert!(watch.deepest < 1e-3, "{} m deep", watch.deepest);
 }
 
-/// A thread of so many cells with a load at each end that runs round a rope which is held everywhere, in equilibrium but for its
-/// friction: the speed of the heavier load after `seconds` \[m/s\].
-fn round_a_rope(cells: u32, loads: [f32; 2], friction: f32, seconds: f32) -> f64 {
-    let mut world = PhysicsWorld::default();
-    let mut deformables = DeformableWorld::default();
-    let (thick, thin) = (0.02, 0.4 / cells as f32);
-    let held = shape::rope(Vector::NEG_Z * 0.5, Vector::Z * 0.5, 11, 3e-4).unwrap();
-    let held = DeformableBuilder::new(held.pin(|_| true))
-        .material(Material::elastic(1e7, 1000.0))
-        .thickness(thick)
-        .friction(friction);
-    deformables.insert(held).unwrap();
-    let (radius, hang) = (0.5 * (thick + thin) + 5e-4, 0.5);
-    let arc = std::f32::consts::PI * radius;
-    let cell = (2.0 * hang + arc) / cells as f32;
-    let place = |i: u32| {
-        let s = i as f32 * cell;
-        let (x, y) = if s < hang {
-            (-radius, s - hang)
-        } else if s < hang + arc {
-            let (sin, cos) = ((s - hang) / radius).sin_cos();
-            (-radius * cos, radius * sin)
-        } else {
-            (radius, hang + arc - s)
-        };
-        Vector::new(x, y, 0.013)
-    };
-    let mass = |i: u32| match i {
-        0 => loads[0],
-        i if i == cells => loads[1],
-        _ => 0.02 / cells as f32,
-    };
-    let stiffness = 2e4 * cells as f32;
-    let springs = (0..cells).map(|i| {
-        let share = i as f32 / cells as f32;
-        let tension = (loads[0] * (1.0 - share) + loads[1] * share) * 9.81;
-        let length = place(i).distance(place(i + 1)) - tension / stiffness;
-        let spring = Spring::new(i, i + 1, stiffness).damping(0.2 * cells as f32);
-        spring.rest_length(length)
-    });
-    let springs = springs.collect();
-    let nodes = (0..=cells).map(|i| Node::new(place(i), mass(i)));
-    let thread = DeformableBuilder::new(Net::new(nodes.collect(), springs));
-    let thread = thread.thickness(thin).friction(friction);
-    let thread = deformables.insert(thread).unwrap();
-    for _ in 0..(seconds * 60.0) as usize {
-        deformables.step(&mut world);
-    }
-    -deformables[thread].linvel_of(NodeId(0)).unwrap().y
-}
-
-/// Symptom: what friction holds on a rigid bar slid at 0.66 m/s over a rope of the same thickness. Cause: the rope gave way to friction
-/// as if it could roll about its own axis, and no place of the thread that runs round that slips on it.
-#[test]
-fn a_thread_that_runs_round_a_rope_rubs_on_it() {
-    let free = (1.3 - 1.0) / (1.3 + 1.0 + 0.02) * 9.81 * 0.6;
-    close(
-        "without friction",
-        round_a_rope(100, [1.3, 1.0], 0.0, 0.6),
-        free,
-        0.05,
-    );
-    let held = round_a_rope(100, [1.3, 1.0], 0.2, 0.6);
-    assert!(held.abs() < 0.1, "{held} m/s");
-    // Euler's law of a thread that is not thin: friction acts on its surface, at a radius of 10 mm about the rope's axis, and the
-    // tensions at 11 mm, so their moments are as e^(μπ·10/11).
-    let ratio = (0.2 * std::f64::consts::PI * 10.0 / 11.0).exp();
-    let slides = (4.0 - ratio) / (4.0 + ratio + 0.02) * 9.81 * 0.3;
-    close(
-        "as it slides",
-        round_a_rope(200, [4.0, 1.0], 0.2, 0.3),
-        slides,
-        0.03,
-    );
-}
-
 /// Ten thousand nodes shot at two sheets, one flat and one curved: none comes through.
 #[test]
 fn no_fast_node_comes_through_a_sheet() {
@@ -486,6 +410,41 @@ fn no_fast_node_comes_through_a_sheet() {
             .filter(|p| p.x.abs() < 0.95 && p.z.abs() < 0.95 && p.y < 0.15 * p.x * p.x - 0.01);
         assert_eq!(through.count(), 0, "nodes are below the sheet");
     }
+}
+
+/// Blocks that rest on each other, each turned a little on the next, move nothing and are moved out of nothing. Symptom: 0.085 W were
+/// given by moving points out, and taken by contact, for as long as nothing slept. Cause: what a row left nodes off by, 1 mm/s, brought them
+/// nearer in every substep.
+#[test]
+fn a_stack_at_rest_is_given_nothing() {
+    let mut world = PhysicsWorld::default();
+    let ground = ColliderBuilder::cuboid(5.0, 0.5, 5.0).translation(Vector::NEG_Y * 0.5);
+    world.insert_collider(ground, None);
+    let mut deformables = DeformableWorld::default();
+    let blocks: Vec<_> = (0..3)
+        .map(|i| {
+            let block = shape::tet_box(Vector::new(0.4, 0.2, 0.4), 0.1, TetSplit::Six).unwrap();
+            let rubber = Solid::new(1.0e6, 0.3, 500.0).damping(0.0, 5e-4);
+            let i = i as f32;
+            let at = Vector::new(0.01 * (i % 2.0), 0.101 + 0.2015 * i, -0.008 * i);
+            let turned = Rotation::from_rotation_y(0.07 * i);
+            let block = DeformableBuilder::tets(block, rubber).translation(at);
+            deformables.insert(block.rotation(turned)).unwrap()
+        })
+        .collect();
+    let given = |deformables: &DeformableWorld| -> f64 {
+        let each = blocks.iter();
+        each.map(|b| deformables[*b].energies().work.push_out).sum()
+    };
+    let mut before = 0.0;
+    for frame in 0..240 {
+        if frame == 180 {
+            before = given(&deformables);
+        }
+        deformables.step(&mut world);
+    }
+    let power = given(&deformables) - before;
+    assert!(power.abs() < 0.03, "{power} W");
 }
 
 /// One coarse block on another, turned by 45°: edges of one across edges of the other, all nodes outside the other's faces.

@@ -32,33 +32,72 @@ fn a_light_node_between_a_heavy_body_and_the_floor_stops_it() {
     }
 }
 
-/// All of these nodes can bear the body, whichever is asked first: each bears as much of it.
+/// A grid of n × n nodes of 10 g on the fixed world, and a body of 10 kg and 0.4 m on it that can turn, its centre of mass `off` the
+/// middle.
+fn bed(n: u32, off: DVec3, v: DVec3) -> (Rows, [Shadow; 2]) {
+    let (mut rows, [fixed, body]) = squeezed(0.3, v);
+    let [under, above] = [rows.contacts[0], rows.contacts[1]];
+    let node = rows.nodes[0];
+    rows.clear();
+    for i in 0..n * n {
+        let place = |k: u32| 0.4 * (f64::from(k) / f64::from(n - 1) - 0.5);
+        let arm = DVec3::new(place(i / n), -0.1, place(i % n)) - off;
+        rows.nodes.push(node);
+        let terms = rows.add_terms([Term {
+            node: i,
+            weight: 1.0,
+            share: 1.0,
+        }]);
+        rows.contacts.push(Row { terms, ..under });
+        rows.contacts.push(Row {
+            terms,
+            arm,
+            ..above
+        });
+    }
+    let inv_inertia = DMat3::from_diagonal(DVec3::splat(6.0 / (10.0 * 0.4 * 0.4)));
+    let body = Shadow {
+        inv_inertia,
+        ..body
+    };
+    (rows, [fixed, body])
+}
+
+fn loads(rows: &Rows) -> Vec<f64> {
+    let of_body = rows.contacts.iter().filter(|row| row.shadow == 1);
+    of_body.map(|row| row.normal_impulse).collect()
+}
+
+/// All of these nodes can bear the body, whichever is asked first: each bears as much of it, though the body could turn about any.
 #[test]
 fn nodes_share_the_load_of_what_squeezes_them() {
-    let v = DVec3::new(0.4, -2.0, 0.0);
-    for reversed in [false, true] {
-        let (mut rows, mut shadows) = squeezed(0.3, v);
-        for node in 1..5 {
-            let new = rows.nodes[0];
-            rows.nodes.push(new);
-            let terms = rows.add_terms([Term {
-                node,
-                weight: 1.0,
-                share: 1.0,
-            }]);
-            for i in 0..2 {
-                let new = Row {
-                    terms,
-                    ..rows.contacts[i]
-                };
-                rows.contacts.push(new);
-            }
-        }
+    for (n, reversed) in [(2, false), (2, true), (9, false), (9, true)] {
+        let v = DVec3::new(0.0, -2.0, 0.0);
+        let (mut rows, mut shadows) = bed(n, DVec3::ZERO, v);
         rows.solve(&mut shadows, 1e-3, 4, reversed);
-        assert!(shadows[1].v.length() < 1e-3, "{}", shadows[1].v);
-        for row in rows.contacts.iter().filter(|row| row.shadow == 1) {
-            let load = row.normal_impulse;
-            assert!((load - 20.0 / 5.0).abs() < 1e-3, "{reversed}: {load}");
+        assert!(shadows[1].v.length() < 1e-6, "{}", shadows[1].v);
+        assert!(shadows[1].w.length() < 1e-6, "{}", shadows[1].w);
+        for load in loads(&rows) {
+            let part = load / 20.0 * f64::from(n * n);
+            assert!((part - 1.0).abs() < 1e-6, "{n}, {reversed}: {part}");
+        }
+    }
+}
+
+/// The moments of the loads balance, and they grow evenly towards the side of the centre of mass.
+#[test]
+fn nodes_on_the_heavier_side_bear_more() {
+    for reversed in [false, true] {
+        let off = DVec3::X * 0.05;
+        let (mut rows, mut shadows) = bed(5, off, DVec3::new(0.0, -2.0, 0.0));
+        rows.solve(&mut shadows, 1e-3, 4, reversed);
+        assert!(shadows[1].v.length() < 1e-6, "{}", shadows[1].v);
+        assert!(shadows[1].w.length() < 1e-6, "{}", shadows[1].w);
+        // A line of n loads a + b·x has the sum n·a and the moment b·Σx².
+        for (i, load) in loads(&rows).into_iter().enumerate() {
+            let x = 0.1 * ((i / 5) as f64 - 2.0);
+            let expected = 20.0 / 25.0 * (1.0 + x * off.x / 0.02);
+            assert!((load - expected).abs() < 1e-6, "{reversed}, {x}: {load}");
         }
     }
 }
