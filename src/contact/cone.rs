@@ -71,7 +71,9 @@ fn outermost(cone: &[DVec3], normal: DVec3) -> impl Iterator<Item = DVec3> {
     // There are two at most, found once for each edge that lies in their faces.
     let mut known = [DVec3::ZERO; 2];
     outermost.filter(move |n| {
-        let is_new = known.iter().all(|k| k.dot(*n) < 1.0 - ROUNDING);
+        let is_new = known
+            .iter()
+            .all(|k| k.distance_squared(*n) > ROUNDING * ROUNDING);
         if is_new {
             known = [known[1], *n];
         }

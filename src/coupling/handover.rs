@@ -10,8 +10,8 @@
 //! 3 % too slow.) Where the shadow can't foresee the answer, it is the mean force, and the answer is measured.
 //!
 //! Rapier damps what a body has at the end of its step without the impulses still to come, which may be what bears its weight. So it gets
-//! that back, and what damping has taken of its shadow instead: a free body afterwards, one with rigid contacts as a force, for what
-//! they stop is not damped any more. Of what hangs on joints Rapier's own damping stays.
+//! that back, and what damping has taken of its shadow instead: a free body afterwards, one that has rigid contacts, or joints
+//! that its shadow keeps, as a force, for what these stop is not damped any more. Of what hangs on other joints Rapier's own damping stays.
 
 use super::flight::{Flight, rotation_vector};
 use super::linkage::Mobility;
@@ -156,8 +156,7 @@ fn give(body: &mut RigidBody, (impulse, torque): Wrench) {
     body.apply_torque_impulse(narrow(torque), false);
 }
 
-/// What Rapier's damping has taken of the velocity and spin of a body in a step of `dt` s. Nothing can be known of it where it
-/// takes all.
+/// What Rapier's damping has taken of the velocity and spin of a body in a step of `dt` s; none is known where it takes all.
 fn damped_by_rapier(body: &RigidBody, dt: f64) -> (DVec3, DVec3) {
     // 1/(1 + d·dt) of it are left.
     let taken = |left: Vector, damping: f32| {
@@ -174,20 +173,31 @@ fn damped_by_rapier(body: &RigidBody, dt: f64) -> (DVec3, DVec3) {
     )
 }
 
-/// The momentum that damping has taken of a body's shadow.
+/// What damping has taken of a body's shadow along and about locked axes, where no momentum can take it.
+fn damped_where_locked(body: &RigidBody, end: &Shadow) -> (DVec3, DVec3) {
+    let inv_mass = wide(body.mass_properties().effective_inv_mass);
+    let inv_inertia = inv_inertia(body);
+    let axes = |locked: [bool; 3], v: DVec3| v * DVec3::from_array(locked.map(f64::from));
+    (
+        axes(inv_mass.to_array().map(|w| w == 0.0), end.damped.0),
+        axes(
+            [0, 1, 2].map(|k| inv_inertia.col(k) == DVec3::ZERO),
+            end.damped.1,
+        ),
+    )
+}
+
+/// The momentum that damping has taken of a body's shadow, elsewhere.
 fn damped_momentum(body: &RigidBody, end: &Shadow) -> Wrench {
     let inv_mass = wide(body.mass_properties().effective_inv_mass);
     let mut inertia = inv_inertia(body);
-    // What is locked has no spin to lose.
     for k in 0..3 {
         if inertia.col(k) == DVec3::ZERO {
             *inertia.col_mut(k) = DVec3::AXES[k];
         }
     }
-    (
-        per_axis(end.damped.0, inv_mass),
-        inertia.inverse() * end.damped.1,
-    )
+    let spin = end.damped.1 - damped_where_locked(body, end).1;
+    (per_axis(end.damped.0, inv_mass), inertia.inverse() * spin)
 }
 
 /// Momentum for a velocity, axis by axis; 0 along locked axes and for bodies that don't answer at all.
@@ -233,7 +243,11 @@ pub fn after_step(
             // Not to one that Rapier has put to sleep in this step.
             if !body.is_sleeping() {
                 let (v, w) = match pending.answer {
-                    Answer::Constrained => damped_by_rapier(body, pending.dt),
+                    Answer::Constrained => {
+                        let taken = damped_by_rapier(body, pending.dt);
+                        let locked = damped_where_locked(body, end);
+                        (taken.0 - locked.0, taken.1 - locked.1)
+                    }
                     _ => Default::default(),
                 };
                 give(body, pending.late);

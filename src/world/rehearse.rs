@@ -165,18 +165,18 @@ impl Group {
         let given = shadows[1..].iter_mut().zip(trials).zip(&self.shadows[1..]);
         for (((shadow, trial), end), touched) in given.zip(&self.touched) {
             let Split { late, .. } = trial.split(trial.early, end, share);
-            shadow.take(late.0, late.1);
             match touched.answer {
-                Answer::Constrained => {}
+                Answer::Constrained | Answer::None => {}
                 Answer::Free => {
                     shadow.v -= end.damped.0;
                     shadow.w -= end.damped.1;
                 }
-                Answer::None | Answer::Jointed | Answer::Link => {
+                Answer::Jointed | Answer::Link => {
                     shadow.v /= 1.0 + end.damping.0 * dt;
                     shadow.w /= 1.0 + end.damping.1 * dt;
                 }
             }
+            shadow.take(late.0, late.1);
         }
         // Joints will pass on what came late; contacts may not be there any more.
         between.restart_joints();

@@ -3,8 +3,8 @@
 use super::edge::Crossing;
 use crate::math::DVec3;
 
-/// Where a surface is seen so steeply, or is so thick for its elements, that levers are longer than this, all of one side's or of two that
-/// depend on each other are shortened: the couple is not whole then.
+/// Where a surface is seen so steeply, or is so thick for its elements, that a lever is longer than this, it and all that belong to the same
+/// couple are shortened: that is not whole then.
 const LONGEST: f64 = 1.0;
 
 /// Those of the corners of an element that an impulse acts beside, `gap` m away along the normal. An element with two corners
@@ -27,8 +27,8 @@ pub fn of_edges([a, b]: [DVec3; 2], [c, d]: [DVec3; 2], found: &Crossing) -> [DV
 }
 
 /// That of the second end of a spring that belongs to no face; the first end has the opposite one. It fills `part` m of the gap, and what acts
-/// on its surface acts so far from its axis. A rope can't be turned about that: if what it meets took that couple too, that would
-/// give way as if it could roll round the rope's axis, and there would be no friction.
+/// on its surface acts so far from its axis. A rope can't be turned about that: if what it meets took the rope's couple
+/// too, it would give way to friction as if it could roll round the rope's axis.
 pub fn of_spring([a, b]: [DVec3; 2], normal: DVec3, part: f64) -> DVec3 {
     let along = b - a;
     let flat = along - normal * along.dot(normal);

@@ -58,7 +58,8 @@ impl Draft {
         let velocity = |&(body, node, weight, _): &(usize, u32, f64, DVec3)| {
             bodies.posed[body].state.velocity(node as usize) * weight
         };
-        self.terms.iter().map(velocity).sum()
+        let terms = self.terms.iter().filter(|(_, _, weight, _)| *weight != 0.0);
+        terms.map(velocity).sum()
     }
 }
 

@@ -89,19 +89,20 @@ impl Attempt {
         }));
     }
 
-    /// Whether it is to be taken back, as it has changed the measure by a `rise` \[J\] above zero. `fallen` is by how much all attempts for
+    /// Whether it is to be taken back, having changed the measure by a `rise` \[J\]. `fallen` is by how much all attempts for
     /// rows on the same shadow have changed it in this substep.
     ///
     /// What friction loses with the load that bears it is no choice of a row. Where this counted, a row could not be relieved of a load
     /// that it need not bear, as friction would hold on to it: so if the load has become less, the measure counts from where
     /// friction had no more than it may have now, and may rise by as much as it has fallen before.
     pub fn is_worse(&mut self, pass: &mut Pass, rise: f64, fallen: f64) -> bool {
-        let relieves = |pass: &Pass| {
-            let first = self.rows.first();
-            first.is_some_and(|b| pass.contacts[b.row].normal_impulse < b.normal_impulse)
-        };
-        let may_rise = fallen + rise <= 0.0 && relieves(pass);
-        rise > 0.0 && !(may_rise && rise <= self.forced(pass))
+        if rise <= 0.0 {
+            return false;
+        }
+        let first = self.rows.first();
+        let relieves =
+            first.is_some_and(|b| pass.contacts[b.row].normal_impulse < b.normal_impulse);
+        !(relieves && fallen + rise <= 0.0 && rise <= self.forced(pass))
     }
 
     /// By how much the measure rises as friction loses what the loads don't allow any more \[J\]: d·e + ½·d·A·d for that change d of the
@@ -194,8 +195,8 @@ impl Pass<'_> {
         (row.excess(relative) - row.lift.speed, row.slip(relative))
     }
 
-    /// Whether anything comes deeper at more than `fastest` m/s, or where it is deep already at a tenth of that, or is lifted by that
-    /// much slower than it is to be although it has impulse left for it.
+    /// Whether anything comes deeper at more than `fastest` m/s, less what it would be moved out by at [`LEAD_RATE`] but not less than a tenth
+    /// of that, or is lifted by that much slower than it is to be although it has impulse left for it.
     pub fn sinks(&self, fastest: f64) -> bool {
         let sinks = |row: usize| {
             let Row { lift, depth, .. } = self.contacts[row];

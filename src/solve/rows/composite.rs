@@ -137,6 +137,13 @@ impl Composites {
         (found != NONE).then_some(found as usize)
     }
 
+    /// Whether supports bear the composite of a shadow.
+    pub fn has_supports(&self, shadow: u32) -> bool {
+        let found = self.of_shadow.get(shadow as usize);
+        let found = found.and_then(|c| self.list.get(*c as usize));
+        found.is_some_and(|composite| composite.bearing.is_some())
+    }
+
     /// The first tie of a shadow's composite.
     pub fn of_shadow(&self, shadow: u32) -> Option<usize> {
         let found = *self.of_shadow.get(shadow as usize)?;

@@ -79,8 +79,8 @@ impl Rows {
         pass.follow_all();
         pass.start_shadows();
         pass.start_warm(&mut self.clusters);
-        pass.pass_over_still();
         pass.spread_loads(&mut self.bearers, &mut self.tried);
+        pass.pass_over_still();
         pass.converge(passes, self.blow, SINKS * self.push_out, reversed);
         pass.follow_all();
         pass.book();

@@ -16,8 +16,8 @@ use crate::math::na::Cholesky;
 
 /// What is added to the squares of the motions that rows hold, in parts of the largest: it decides about those that none holds.
 const LEAST_HELD: f64 = 1e-10;
-/// How often rows that would have to pull are left out, and the others asked again.
-const ROUNDS: usize = 4;
+/// How often rows that would have to pull are left out, and the others asked again; after that those that would not bear what is found.
+const ROUNDS: usize = 16;
 
 /// A row that bears a body together with others.
 #[derive(Clone, Copy, Debug)]
@@ -52,7 +52,7 @@ impl Pass<'_> {
             });
         }
         // By colliders they are in order, of which a body may have several.
-        bearers.sort_by_key(|b| b.shadow);
+        bearers.sort_unstable_by_key(|b| (b.shadow, b.row));
         for together in bearers.chunk_by_mut(|a, b| a.shadow == b.shadow) {
             if together.len() > 1 {
                 self.bear_together(together, tried);
@@ -60,16 +60,17 @@ impl Pass<'_> {
         }
     }
 
-    /// Whether all nodes of a row that a moving body presses on lie on what does not give way, and are not tied.
+    /// Whether all nodes of a row that a moving body presses on lie on what does not give way, and neither they nor the body are tied to
+    /// what would bear some of it.
     fn lies(&self, i: usize) -> bool {
         let row = &self.contacts[i];
         let lies = |node: u32| {
             let mut own = self.squeeze.own(node).map(|own| &self.contacts[own]);
             self.squeeze.tie(node).is_none() && own.any(|under| self.is_held_by(row, under))
         };
-        let presses = !row.between && !self.is_fixed(row);
+        let presses = !row.between && row.softness == 0.0 && !self.is_fixed(row);
         let mut terms = self.points.terms_of(row.terms).iter();
-        presses && terms.all(|t| lies(t.node))
+        presses && terms.all(|t| lies(t.node)) && !self.composites.has_supports(row.shadow)
     }
 
     /// Presses the rows of a body together, unless that is uphill.
@@ -90,7 +91,7 @@ impl Pass<'_> {
             }
         }
         for bearer in &mut *together {
-            bearer.lacks = -self.missed(bearer.row);
+            bearer.lacks = -self.excess(bearer.row);
             bearer.bears = bearer.lacks > 0.0 && self.reaches(bearer.row, bearer.lacks);
         }
         let shadow = together[0].shadow as usize;
@@ -165,8 +166,8 @@ fn share(c: &Mat6, together: &mut [Bearer]) -> bool {
             all &= bearer.bears;
         }
         if all {
-            return true;
+            break;
         }
     }
-    false
+    true
 }

@@ -172,8 +172,8 @@ impl Pass<'_> {
         let mut changed = self.press(i, self.contacts[i].response.mass);
         self.follow_of(i);
         let slip = self.slip(i);
-        let mass = self.contacts[i].response.mass_along(slip);
         if self.contacts[i].rubs() {
+            let mass = self.contacts[i].response.mass_along(slip);
             changed |= self.rub(i, slip, mass);
             self.follow_of(i);
         }

@@ -225,8 +225,8 @@ fn friction_holds_a_block_on_a_tilted_block() {
     assert!(deepest < 1e-3, "sinks by {deepest}");
 }
 
-/// Acceleration of a block of E = `young` on a slab of the same, tilted by 20°, at μ = .2.
-fn sliding(young: f32) -> f64 {
+/// Acceleration of a block of E = `young` on a slab of the same, tilted by 20°, at μ = .2, from `x`, `z`.
+fn sliding(young: f32, (x, z): (f32, f32)) -> f64 {
     let angle = 20.0_f32.to_radians();
     let mut world = tilted(angle);
     let mut deformables = DeformableWorld::default();
@@ -236,7 +236,7 @@ fn sliding(young: f32) -> f64 {
         .insert(slab.translation(Vector::new(0.0, -0.1, 0.0)))
         .unwrap();
     let block = soft(0.2).material(material).friction(0.2);
-    let block = block.translation(Vector::new(-0.417, 0.1, 0.031));
+    let block = block.translation(Vector::new(x, 0.1, z));
     let block = deformables.insert(block).unwrap();
     let mut v = Vec::new();
     for _ in 0..2 {
@@ -252,10 +252,13 @@ fn sliding(young: f32) -> f64 {
 fn a_block_slides_on_a_tilted_block() {
     let angle = 20.0_f64.to_radians();
     let expected = 9.81 * (angle.sin() - 0.2 * angle.cos());
-    let [hard, soft] = [1e7, 1e6].map(sliding);
-    println!("block accelerates at {hard}, {soft} of {expected} m/s²");
-    close("acceleration at 10 MPa [m/s²]", hard, expected, 0.01);
-    close("acceleration at 1 MPa [m/s²]", soft, expected, 0.01);
+    // From the third place on a node of the slab was a few micrometres ahead of the block's rim, which stopped there for a moment.
+    for at in [(-0.417, 0.031), (-0.4, 0.01), (-0.43, 0.04)] {
+        for young in [1e7, 1e6] {
+            let what = format!("acceleration at {young:e} Pa from {at:?} [m/s²]");
+            close(&what, sliding(young, at), expected, 0.01);
+        }
+    }
 }
 
 #[test]
@@ -428,8 +431,9 @@ fn a_stack_at_rest_is_given_nothing() {
             let i = i as f32;
             let at = Vector::new(0.01 * (i % 2.0), 0.101 + 0.2015 * i, -0.008 * i);
             let turned = Rotation::from_rotation_y(0.07 * i);
-            let block = DeformableBuilder::tets(block, rubber).translation(at);
-            deformables.insert(block.rotation(turned)).unwrap()
+            let block = DeformableBuilder::tets(block, rubber).can_sleep(false);
+            let block = block.translation(at).rotation(turned);
+            deformables.insert(block).unwrap()
         })
         .collect();
     let given = |deformables: &DeformableWorld| -> f64 {

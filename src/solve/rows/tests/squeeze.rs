@@ -102,6 +102,25 @@ fn nodes_on_the_heavier_side_bear_more() {
     }
 }
 
+/// Beyond the middle third some bear nothing: which, is found by leaving out those that would have to pull.
+#[test]
+fn nodes_under_an_overhanging_body_only_press() {
+    for reversed in [false, true] {
+        let off = DVec3::X * (0.4 / 3.0);
+        let (mut rows, mut shadows) = bed(21, off, DVec3::new(0.0, -2.0, 0.0));
+        rows.solve(&mut shadows, 1e-3, 4, reversed);
+        assert!(shadows[1].v.length() < 1e-6, "{}", shadows[1].v);
+        assert!(shadows[1].w.length() < 1e-6, "{}", shadows[1].w);
+        // The least sum of squares: a triangle of three times the distance of the centre of mass from the nearer side.
+        for (i, load) in loads(&rows).into_iter().enumerate() {
+            let x = 0.02 * ((i / 21) as f64 - 10.0);
+            if x.abs() > 0.03 {
+                assert_eq!(load > 0.0, x > 0.0, "{reversed}, {x}: {load}");
+            }
+        }
+    }
+}
+
 /// Friction goes through the node as if the body lay on the floor itself: it loses μ times its normal momentum.
 #[test]
 fn friction_goes_through_a_squeezed_node() {
