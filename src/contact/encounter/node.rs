@@ -153,13 +153,19 @@ impl Query<'_> {
         let mut found = self.outside_of(way);
         let own = (self.own_normal)().normalize_or_zero();
         let facing = found.normal.dot(own);
-        let is_near = -way.way.dot(own) < self.reach.touching;
-        if way.nearest.feature != Feature::Face && FACING >= facing && facing > ALONG && is_near {
-            // A rim that comes along the surface of the node, over it by less than counts as touching: it is the face that will lie on it.
-            // Along the way to the rim it would be stopped as by a wall, though nothing is in its way.
-            let normal = self.other.facing(way.element, way.nearest.feature, own);
-            if normal.dot(own) < facing {
-                found = Found::new(way, normal, way.way.dot(normal));
+        if way.nearest.feature != Feature::Face && FACING >= facing && facing > ALONG {
+            // A rim that comes along the surface of the node. Along the way to it it would be stopped as by a wall, though nothing is in its
+            // way if it goes over the node.
+            let height = -way.way.dot(own);
+            let passes = (self.other.velocity(way.element, way.nearest.weights) - self.v).dot(own);
+            if height < self.reach.touching {
+                // It is the face that will lie on it.
+                let normal = self.other.facing(way.element, way.nearest.feature, own);
+                if normal.dot(own) < facing {
+                    found = Found::new(way, normal, way.way.dot(normal));
+                }
+            } else if height + passes * self.reach.h >= 0.0 {
+                return None;
             }
         }
         if own != DVec3::ZERO && facing > FACING {
