@@ -154,8 +154,8 @@ impl Query<'_> {
         let own = (self.own_normal)().normalize_or_zero();
         let facing = found.normal.dot(own);
         if way.nearest.feature != Feature::Face && FACING >= facing && facing > ALONG {
-            // A rim that comes along the surface of the node. Along the way to it it would be stopped as by a wall, though nothing is in its
-            // way if it goes over the node.
+            // A rim that comes along the surface of the node: a row along the way between them would stop it as a wall does, though nothing
+            // stands in its way if it goes over the node.
             let height = -way.way.dot(own);
             let passes = (self.other.velocity(way.element, way.nearest.weights) - self.v).dot(own);
             if height < self.reach.touching {
