@@ -11,7 +11,7 @@
 //!
 //! Rapier damps what a body has at the end of its step without the impulses still to come, which may be what bears its weight. So it gets
 //! that back, and what damping has taken of its shadow instead: a free body afterwards, one that has rigid contacts, or joints
-//! that its shadow keeps, as a force, for what these stop is not damped any more. Of what hangs on other joints Rapier's own damping stays.
+//! that its shadow keeps, at the start, for what these stop is not damped any more. Of what hangs on other joints Rapier's own damping stays.
 
 use super::flight::{Flight, rotation_vector};
 use super::linkage::Mobility;
@@ -117,12 +117,12 @@ pub fn before_step(
             pending.free = mobility.answer(end.impulse, end.torque, dt);
             give(body, split.early);
             pending.late = split.late;
-            let damped = match answer {
-                Answer::Constrained => damped_momentum(body, end),
-                _ => Wrench::default(),
-            };
-            let force = end.impulse - split.early.0 - split.late.0 - damped.0;
-            let torque = end.torque - split.early.1 - split.late.1 - damped.1;
+            if answer == Answer::Constrained {
+                let (impulse, torque) = damped_momentum(body, end);
+                give(body, (-impulse, -torque));
+            }
+            let force = end.impulse - split.early.0 - split.late.0;
+            let torque = end.torque - split.early.1 - split.late.1;
             body.add_force(narrow(force / dt), false);
             body.add_torque(narrow(torque / dt), false);
         }
@@ -187,17 +187,19 @@ fn damped_where_locked(body: &RigidBody, end: &Shadow) -> (DVec3, DVec3) {
     )
 }
 
-/// The momentum that damping has taken of a body's shadow, elsewhere.
+/// The momentum that damping has taken of a body's shadow. What it says about locked axes moves nothing.
 fn damped_momentum(body: &RigidBody, end: &Shadow) -> Wrench {
     let inv_mass = wide(body.mass_properties().effective_inv_mass);
-    let mut inertia = inv_inertia(body);
+    let mut inv_inertia = inv_inertia(body);
     for k in 0..3 {
-        if inertia.col(k) == DVec3::ZERO {
-            *inertia.col_mut(k) = DVec3::AXES[k];
+        if inv_inertia.col(k) == DVec3::ZERO {
+            *inv_inertia.col_mut(k) = DVec3::AXES[k];
         }
     }
-    let spin = end.damped.1 - damped_where_locked(body, end).1;
-    (per_axis(end.damped.0, inv_mass), inertia.inverse() * spin)
+    (
+        per_axis(end.damped.0, inv_mass),
+        inv_inertia.inverse() * end.damped.1,
+    )
 }
 
 /// Momentum for a velocity, axis by axis; 0 along locked axes and for bodies that don't answer at all.

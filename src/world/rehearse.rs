@@ -136,8 +136,8 @@ impl Group {
             // What is damped at the end of the step, or on a free body afterwards, follows below.
             shadow.damping = (0.0, 0.0);
             if touched.answer == Answer::Constrained {
-                shadow.acceleration -= end.damped.0 / dt;
-                shadow.spin_up -= end.damped.1 / dt;
+                shadow.v -= end.damped.0;
+                shadow.w -= end.damped.1;
             }
             let Split { early, late } = trial.split(trial.early, end, share);
             shadow.take(early.0, early.1);

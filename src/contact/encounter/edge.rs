@@ -42,11 +42,16 @@ fn flanks(body: &Posed, edge: u32) -> [DVec3; 2] {
         if face == NONE {
             return DVec3::ZERO;
         }
-        let nodes = body.outline.elements[face as usize];
-        let third = nodes.iter().find(|n| !e.nodes.contains(n));
-        let into = third.map_or(DVec3::ZERO, |&n| body.at(n) - a);
+        let into = third(body, edge, face).map_or(DVec3::ZERO, |n| body.at(n) - a);
         (into - along * into.dot(along)).normalize_or_zero()
     })
+}
+
+/// The corner of a face that is not on an edge of it.
+fn third(body: &Posed, edge: u32, face: u32) -> Option<u32> {
+    let ends = body.outline.edges[edge as usize].nodes;
+    let mut corners = body.outline.elements[face as usize].into_iter();
+    corners.find(|n| !ends.contains(n))
 }
 
 /// Whether an edge stands out: it has fewer than two faces, or they bend. A hollow edge of a solid does not.
@@ -68,8 +73,7 @@ pub fn face_across(body: &Posed, edge: u32, normal: DVec3) -> Option<(u32, [DVec
     let [a, b] = body.ends(edge);
     let faces = e.faces.iter().filter(|face| **face != NONE);
     let seen = faces.filter_map(|&face| {
-        let nodes = body.outline.elements[face as usize];
-        let third = *nodes.iter().find(|n| !e.nodes.contains(n))?;
+        let third = third(body, edge, face)?;
         let corners = [a, b, body.at(third)];
         let out = (b - a).cross(corners[2] - a).normalize_or_zero();
         Some((out.dot(normal).abs(), third, corners))

@@ -70,7 +70,7 @@ pub struct Settled {
 }
 
 impl Settled {
-    /// The same for rows between two deformables.
+    /// What counts as settled in rows between two deformables.
     #[inline(always)]
     pub fn between(mut self) -> Self {
         self.negligible.nodes *= BETWEEN;

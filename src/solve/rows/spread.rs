@@ -16,7 +16,7 @@ use crate::math::na::Cholesky;
 
 /// What is added to the squares of the motions that rows hold, in parts of the largest: it decides about those that none holds.
 const LEAST_HELD: f64 = 1e-10;
-/// How often rows that would have to pull are left out, and the others asked again; after that those that would not bear what is found.
+/// How often rows that would have to pull are left out and the others asked again, at most.
 const ROUNDS: usize = 16;
 
 /// A row that bears a body together with others.
@@ -64,13 +64,13 @@ impl Pass<'_> {
     /// what would bear some of it.
     fn lies(&self, i: usize) -> bool {
         let row = &self.contacts[i];
-        let lies = |node: u32| {
+        let is_held = |node: u32| {
             let mut own = self.squeeze.own(node).map(|own| &self.contacts[own]);
             self.squeeze.tie(node).is_none() && own.any(|under| self.is_held_by(row, under))
         };
         let presses = !row.between && row.softness == 0.0 && !self.is_fixed(row);
         let mut terms = self.points.terms_of(row.terms).iter();
-        presses && terms.all(|t| lies(t.node)) && !self.composites.has_supports(row.shadow)
+        presses && terms.all(|t| is_held(t.node)) && !self.composites.has_supports(row.shadow)
     }
 
     /// Presses the rows of a body together, unless that is uphill.

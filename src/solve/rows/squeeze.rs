@@ -6,7 +6,6 @@
 //! system of all rows, taken over those that are active. After every such impulse the node's own rows answer at once.
 //! Which of them will be active is a guess, so what went uphill is taken back.
 
-use super::climb::Attempt;
 use super::contact::Response;
 use super::pass::Pass;
 use super::{Row, Term, Tie};
@@ -135,7 +134,14 @@ impl Pass<'_> {
         if row.normal_impulse == 0.0 && !row.rubs() && self.missed(i) >= 0.0 {
             return false;
         }
-        let mut attempt = self.attempt_with(i);
+        let mut attempt = std::mem::take(self.attempt);
+        let squeeze = self.squeeze;
+        let terms = self.points.terms_of(self.contacts[i].terms);
+        let own = terms.iter().flat_map(|t| squeeze.own(t.node));
+        let rows = std::iter::once(i).chain(own.filter(|own| *own != i));
+        let ties = terms.iter().filter_map(|t| squeeze.tie(t.node));
+        let ties = ties.filter(|tie| self.composites.of_tie(*tie).is_none());
+        attempt.start(self, rows, ties);
         let mut changed = self.press_squeezed(i) | self.rub_squeezed(i);
         self.follow_of(i);
         let mut rise = attempt.rise(self);
@@ -152,19 +158,6 @@ impl Pass<'_> {
         self.fallen[shadow] += rise;
         *self.attempt = attempt;
         changed
-    }
-
-    /// Begins to try what changes a row and the own rows of its nodes.
-    fn attempt_with(&mut self, i: usize) -> Attempt {
-        let mut attempt = std::mem::take(self.attempt);
-        let squeeze = self.squeeze;
-        let terms = self.points.terms_of(self.contacts[i].terms);
-        let own = terms.iter().flat_map(|t| squeeze.own(t.node));
-        let rows = std::iter::once(i).chain(own.filter(|own| *own != i));
-        let ties = terms.iter().filter_map(|t| squeeze.tie(t.node));
-        let ties = ties.filter(|tie| self.composites.of_tie(*tie).is_none());
-        attempt.start(self, rows, ties);
-        attempt
     }
 
     /// Solves a row as if it were the only one, but for composites, which answer its normal impulse before it rubs.

@@ -11,8 +11,8 @@ const THICKNESS: f32 = 0.004;
 /// 5 g for each node on a square of 5 cm \[kg/m²\].
 const PER_AREA: f64 = 2.0;
 
-/// A sheet of `length` × 0.6 m on a floor with a friction of `floor`, and on it a box of `mass` kg with a friction of `over` that
-/// does not turn: the worlds, the sheet, the floor and the box.
+/// A sheet of `length` × 0.6 m on a floor with a friction of `floor`, and on it a box of `mass` kg with a friction of `over`: the worlds,
+/// the sheet, the floor and the box.
 fn pressed(
     length: f32,
     floor: f32,
@@ -47,7 +47,7 @@ fn pressed(
     let place = Vector::Y * (THICKNESS + 0.1);
     let shape = ColliderBuilder::cuboid(half, 0.1, half).mass(mass);
     let load = world.insert(
-        body.translation(place).can_sleep(false).lock_rotations(),
+        body.translation(place).can_sleep(false),
         shape.friction(over).friction_combine_rule(rule),
     );
     for _ in 0..30 {
@@ -60,9 +60,9 @@ fn pressed(
 /// two thirds of its weight, which has 0.8, holds them together: it hopped. A row that bore too much could not be relieved as its friction held on to it.
 #[test]
 fn a_box_and_the_sheet_under_it_go_as_one() {
-    for half in [0.15, 0.4] {
+    for (half, turns) in [(0.15, false), (0.4, false), (0.4, true)] {
         let load = (1.0, half, 0.8);
-        let body = RigidBodyBuilder::dynamic();
+        let body = RigidBodyBuilder::dynamic().enabled_rotations(turns, turns, turns);
         let (mut world, mut deformables, sheet, _, (load, _)) =
             pressed(0.6, 0.2, load, |b| b, body);
         world.bodies[load].add_force(Vector::X * 12.0, true);
@@ -75,6 +75,8 @@ fn a_box_and_the_sheet_under_it_go_as_one() {
         close("the box", v, expected, 0.03);
         let v = deformables[sheet].linvel().x;
         close("the sheet", v, expected, 0.03);
+        let spin = world.bodies[load].angvel().length();
+        assert!(spin < 0.02, "{spin} rad/s");
     }
 }
 
@@ -91,6 +93,7 @@ fn a_sheet_is_drawn_out_from_under_a_box() {
             builder.material(rubber).pin(|x| x.x > 0.599)
         };
         let body = RigidBodyBuilder::dynamic().enabled_translations(false, true, true);
+        let body = body.lock_rotations();
         let load = (10.0, 0.2, over);
         let (mut world, mut deformables, sheet, ground, (_, load)) =
             pressed(1.2, 0.3, load, led, body);
@@ -121,7 +124,7 @@ fn a_sheet_is_drawn_out_from_under_a_box() {
         close("friction of the floor", -floor.x, 0.3 * borne, tolerance);
         let over = f64::from(over) * weight;
         assert!(
-            (-above.x - over).abs() <= tolerance * weight,
+            (-above.x - over).abs() <= tolerance * 0.3 * weight,
             "friction of the box: {} for {over}",
             -above.x
         );

@@ -80,7 +80,7 @@ fn run_round(held: Round, cells: u32, loads: [f32; 2], friction: f32, seconds: f
     -deformables[thread].linvel_of(NodeId(0)).unwrap().y
 }
 
-/// Symptom: what friction holds on a rigid bar slid at 0.66 m/s over a rope of the same thickness, and at 0.65 over a rim. Cause: these gave
+/// Symptom: what friction holds on a rigid bar slid at 0.66 m/s over a rope of the same thickness, and at 0.67 over a rim. Cause: these gave
 /// way to friction as if they could roll about their own axes, and no place of the thread that runs round that slips on it.
 #[test]
 fn a_thread_rubs_on_what_it_runs_round() {
