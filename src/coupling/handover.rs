@@ -113,16 +113,17 @@ pub fn before_step(
                 pending.turned = Some(flight.end(wide(body.angvel())));
             }
         }
-        Answer::Constrained | Answer::Jointed | Answer::Link => {
-            pending.free = mobility.answer(end.impulse, end.torque, dt);
+        Answer::Constrained | Answer::Linked | Answer::Jointed | Answer::Link => {
+            let (impulse, torque) = end.given();
+            pending.free = mobility.answer(impulse, torque, dt);
             give(body, split.early);
             pending.late = split.late;
             if answer == Answer::Constrained {
-                let (impulse, torque) = damped_momentum(body, end);
-                give(body, (-impulse, -torque));
+                let damped = damped_momentum(body, end);
+                give(body, (-damped.0, -damped.1));
             }
-            let force = end.impulse - split.early.0 - split.late.0;
-            let torque = end.torque - split.early.1 - split.late.1;
+            let force = impulse - split.early.0 - split.late.0;
+            let torque = torque - split.early.1 - split.late.1;
             body.add_force(narrow(force / dt), false);
             body.add_torque(narrow(torque / dt), false);
         }
@@ -237,7 +238,7 @@ pub fn after_step(
             }
             body.set_linvel(body.linvel() + narrow(v), false);
         }
-        Answer::Constrained | Answer::Jointed | Answer::Link => {
+        Answer::Constrained | Answer::Linked | Answer::Jointed | Answer::Link => {
             body.reset_forces(false);
             body.reset_torques(false);
             body.add_force(pending.user.0, false);
@@ -256,7 +257,7 @@ pub fn after_step(
                 body.set_linvel(body.linvel() + narrow(v), false);
                 body.set_angvel(body.angvel() + narrow(w), false);
             }
-            if pending.answer != Answer::Constrained {
+            if !pending.answer.is_kept() {
                 let (v, w) = pending.before;
                 memory.answer(
                     wide(body.linvel()) - v,

@@ -59,10 +59,19 @@ pub enum Answer {
     Free,
     /// Pressed against other rigid bodies or joined to them: its shadow keeps these contacts and joints.
     Constrained,
+    /// The same of a link of a multibody. Rapier rewrites its velocity from joint coordinates: impulses are lost on it, forces are not.
+    Linked,
     /// Held by joints that shadows can't keep, and perhaps by rigid contacts too.
     Jointed,
-    /// A link of a multibody.
+    /// A link of a multibody that shadows can't keep.
     Link,
+}
+
+impl Answer {
+    /// Whether its shadow keeps its contacts and joints.
+    pub fn is_kept(self) -> bool {
+        matches!(self, Self::Constrained | Self::Linked)
+    }
 }
 
 /// The share of an acceleration held over a Rapier step of n solver iterations that shows as displacement:
@@ -139,12 +148,17 @@ pub fn shadow(
     shadow.inv_inertia = scaled(about, mobility.inv_inertia, about);
     shadow.acceleration = mobility.acceleration * along;
     shadow.spin_up = mobility.spin_up * about;
-    let own = matches!(answer, Answer::Free | Answer::Constrained);
-    if own {
+    let own = answer == Answer::Free || answer.is_kept();
+    // What a link gets is spread over the whole step, and holds it up in every iteration of that.
+    if own && answer != Answer::Linked {
         shadow.lead = Some((displacement_share(body, around.parameters) - 0.5) * dt);
     }
-    shadow.damping = (body.linear_damping().into(), body.angular_damping().into());
-    if own && body.gyroscopic_forces_enabled() {
+    // Rapier damps no links of multibodies, and always turns them as free bodies turn.
+    let is_link = matches!(answer, Answer::Linked | Answer::Link);
+    if !is_link {
+        shadow.damping = (body.linear_damping().into(), body.angular_damping().into());
+    }
+    if own && (is_link || body.gyroscopic_forces_enabled()) {
         // Of what can't turn about every axis it is not finite.
         let inertia = inv_inertia(body).inverse();
         if inertia.is_finite() {
@@ -204,8 +218,11 @@ pub fn answer(
     if !body.is_dynamic() || body.is_sleeping() {
         Answer::None
     } else if is_link(handle, around) {
-        // Rapier rewrites the velocity of a link from its joint coordinates: impulses are lost on it, forces are not.
-        Answer::Link
+        if constraints.follows(handle) {
+            Answer::Linked
+        } else {
+            Answer::Link
+        }
     } else if has_joint(handle, around) && !constraints.follows(handle) {
         Answer::Jointed
     } else if constraints.has(handle) {

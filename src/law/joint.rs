@@ -19,6 +19,8 @@ pub struct Axes {
     pub solver_step: f64,
     /// How often Rapier goes over its rows in each of them.
     pub sweeps: i32,
+    /// Damping of those that are not locked, without motors \[N·s/m\], \[N·m·s\].
+    pub drag: [f64; 6],
 }
 
 /// What drives an axis; metres and newtons along it, or radians and newton metres about it.
@@ -67,6 +69,21 @@ impl Drive {
             drive.most = motor.max_force * h;
         }
         drive
+    }
+
+    /// Adds a damper of `drag` N·s/m or N·m·s, in a substep of `h` s: −drag·v besides what the motor does, which counts for its most as well.
+    pub fn damp(&mut self, drag: f64, h: f64) {
+        if drag <= 0.0 {
+            return;
+        }
+        let damper = h * drag;
+        if self.most == 0.0 {
+            (self.aim, self.softness, self.most) = (0.0, 1.0 / damper, f64::INFINITY);
+        } else if self.softness > 0.0 {
+            let motor = 1.0 / self.softness;
+            self.softness = 1.0 / (motor + damper);
+            self.aim *= motor * self.softness;
+        }
     }
 
     /// Lets the motor give way as Rapier's does, which solves motors apart from locked axes: by Gauss–Seidel, in so many
@@ -253,5 +270,27 @@ mod tests {
                 assert!((found - j).abs() < 1e-9 * j, "{sweeps}: {found} {j}");
             }
         }
+    }
+
+    /// A damper alone takes what an implicit step leaves of the velocity, and with a motor both pull.
+    #[test]
+    fn a_damped_axis_is_slowed() {
+        let (h, drag, response) = (1e-2, 3.0, 0.5);
+        let mut damped = Drive::new(None, 0.0, h, h);
+        damped.damp(drag, h);
+        let (impulse, _) = damped.impulse(0.0, 2.0, response);
+        let left = 2.0 + response * impulse;
+        assert!((left - 2.0 / (1.0 + drag * h * response)).abs() < 1e-12);
+        let mut both = Drive::new(Some(&SPRING), 0.1, h, h);
+        let (alone, _) = both.impulse(0.0, left, response);
+        both.damp(drag, h);
+        let (impulse, _) = both.impulse(0.0, left, response);
+        let after = left + response * impulse;
+        let spring = -SPRING.stiffness * (0.1 + h * after) - SPRING.damping * after;
+        assert!((impulse - h * (spring - drag * after)).abs() < 1e-12);
+        assert!((impulse - alone).abs() > 1e-3);
+        let mut none = Drive::new(None, 0.0, h, h);
+        none.damp(0.0, h);
+        assert_eq!(none.impulse(0.0, 2.0, response).0, 0.0);
     }
 }

@@ -49,7 +49,10 @@ pub struct Shadow {
     pub impulse: DVec3,
     /// Sum of angular impulses about the centre of mass \[N·m·s\].
     pub torque: DVec3,
-    /// Both sums integrated over the time of the substeps \[N·s²\], \[N·m·s²\]: a free body's displacement by them, and
+    /// What of the impulses of its rigid contacts Rapier is to get as well, and of the angular ones, see
+    /// [`RigidRow::bears`](super::rows::RigidRow::bears).
+    pub borne: (DVec3, DVec3),
+    /// All these sums integrated over the time of the substeps \[N·s²\], \[N·m·s²\]: a free body's displacement by them, and
     /// about its turn, times its mass.
     pub shift: (DVec3, DVec3),
 }
@@ -96,8 +99,14 @@ impl Shadow {
         late_torque: DVec3::ZERO,
         impulse: DVec3::ZERO,
         torque: DVec3::ZERO,
+        borne: (DVec3::ZERO, DVec3::ZERO),
         shift: (DVec3::ZERO, DVec3::ZERO),
     };
+
+    /// What Rapier's body is to get: impulse \[N·s\] and angular impulse about the centre of mass \[N·m·s\].
+    pub fn given(&self) -> (DVec3, DVec3) {
+        (self.impulse + self.borne.0, self.torque + self.borne.1)
+    }
 
     /// Whether any impulse moves it.
     pub fn gives_way(&self) -> bool {

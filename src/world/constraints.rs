@@ -9,6 +9,9 @@ use crate::math::{DQuat, DVec3};
 use crate::solve::rows::{Joint, JointRow, RigidRow};
 use std::collections::BTreeSet;
 
+/// What Rapier's contacts give way by before they are spared the load, in length units.
+const SAG: f64 = 1e-3;
+
 impl Group {
     /// Adds the contacts and joints of all touched bodies with other rigid ones, and of those with others again.
     pub fn find_rigid_constraints(&mut self, origins: &mut Origins) {
@@ -17,7 +20,7 @@ impl Group {
         let mut next = 0;
         while let Some(touched) = self.touched.get(next) {
             next += 1;
-            if touched.answer != Answer::Constrained {
+            if !touched.answer.is_kept() {
                 continue;
             }
             let body = touched.body;
@@ -85,6 +88,12 @@ impl Group {
         let point = 0.5 * (contact.points[0] + contact.points[1]);
         let arm = |k: usize| point - self.body_at(shadows[k]).0;
         let gap = (contact.points[1] - contact.points[0]).dot(contact.normal);
+        let sides = shadows.map(|i| &self.shadows[i as usize]);
+        let response: f64 = (0..2)
+            .map(|k| contact.shares[k] * sides[k].response(arm(k), contact.normal))
+            .sum();
+        // k = m·ω², m being the mass that the point feels.
+        let bears = SAG * contact.frequency.powi(2) / response;
         let row = RigidRow {
             shadows,
             arms: [arm(0), arm(1)],
@@ -96,6 +105,7 @@ impl Group {
             belt: contact.belt,
             // A force for now, until the length of a substep is known.
             normal_impulse: contact.impulse / dt,
+            bears,
             ..RigidRow::default()
         };
         self.rows.rigid.push(row);

@@ -40,6 +40,7 @@ impl DeformableWorld {
         let miss_of = |com: DVec3| (end.com - com, rotation_vector(end.rot * rot.inverse()));
         let (miss, turn) = match touched.answer {
             // Its mass may have changed since the shadow was made.
+            Answer::Linked => miss_of(wide(body.translation()) + rot * touched.local_com),
             Answer::Constrained if is_stiff => {
                 miss_of(wide(body.translation()) + rot * touched.local_com)
             }

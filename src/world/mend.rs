@@ -39,7 +39,7 @@ impl Group {
             let lost = displace(members, rows, (terms, row), by);
             if (shadow as usize)
                 .checked_sub(1)
-                .is_some_and(|i| matches!(touched[i].answer, Answer::Free | Answer::Constrained))
+                .is_some_and(|i| touched[i].answer == Answer::Free || touched[i].answer.is_kept())
             {
                 let alone = !rows.is_composite(shadow);
                 let shadow = &mut shadows[shadow as usize];

@@ -72,8 +72,7 @@ impl Group {
     /// The split of every touched body's impulses over a step of `dt` s.
     pub fn splits(&self, parts: &RapierParts, dt: f64) -> Vec<Split> {
         let is_trial = |t: &Touched, end: &Shadow| {
-            let given = end.impulse != DVec3::ZERO || end.torque != DVec3::ZERO;
-            given && t.answer == Answer::Constrained
+            end.given() != Default::default() && t.answer == Answer::Constrained
         };
         let pairs = self.touched.iter().zip(&self.shadows[1..]);
         let mut trials: Vec<Trial> = pairs.map(|(t, end)| Trial::new(is_trial(t, end))).collect();
@@ -146,8 +145,9 @@ impl Group {
                 w: DVec3::ZERO,
                 ..shadow
             };
-            let force = (end.impulse - early.0 - late.0) / dt;
-            rest.take(force, (end.torque - early.1 - late.1) / dt);
+            let (impulse, torque) = end.given();
+            let force = (impulse - early.0 - late.0) / dt;
+            rest.take(force, (torque - early.1 - late.1) / dt);
             shadow.acceleration += rest.v;
             shadow.spin_up += rest.w;
             shadows.push(shadow);
@@ -166,7 +166,7 @@ impl Group {
         for (((shadow, trial), end), touched) in given.zip(&self.touched) {
             let Split { late, .. } = trial.split(trial.early, end, share);
             match touched.answer {
-                Answer::Constrained | Answer::None => {}
+                Answer::Constrained | Answer::Linked | Answer::None => {}
                 Answer::Free => {
                     shadow.v -= end.damped.0;
                     shadow.w -= end.damped.1;
@@ -296,14 +296,16 @@ impl Trial {
                 early
             }
         };
-        self.early.0 = limited(self.early.0, free.0, end.impulse, end.inv_mass);
-        self.early.1 = limited(self.early.1, free.1, end.torque, end.inv_inertia);
+        let (impulse, torque) = end.given();
+        self.early.0 = limited(self.early.0, free.0, impulse, end.inv_mass);
+        self.early.1 = limited(self.early.1, free.1, torque, end.inv_inertia);
     }
 }
 
 /// Whether an early impulse is against what the body gets in all.
 fn goes_back(early: Wrench, end: &Shadow) -> bool {
-    early.0.dot(end.inv_mass * end.impulse) + early.1.dot(end.inv_inertia * end.torque) < 0.0
+    let (impulse, torque) = end.given();
+    early.0.dot(end.inv_mass * impulse) + early.1.dot(end.inv_inertia * torque) < 0.0
 }
 
 /// The early impulse, forwards or backwards, by which a free body gets to its place in a step of `dt` s in which a force
@@ -311,7 +313,8 @@ fn goes_back(early: Wrench, end: &Shadow) -> bool {
 fn free_early(end: &Shadow, (share, dt): (f64, f64)) -> Wrench {
     let early = |shift: DVec3, sum: DVec3| (shift / dt - sum * share) / (1.0 - share);
     let (shift, turn) = end.shift;
-    (early(shift, end.impulse), early(turn, end.torque))
+    let (impulse, torque) = end.given();
+    (early(shift, impulse), early(turn, torque))
 }
 
 #[cfg(test)]

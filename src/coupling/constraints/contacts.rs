@@ -34,7 +34,7 @@ fn remembered(pair: &Pair, around: &Surroundings) -> Vec<RigidContact> {
                 friction: m.data.friction.into(),
                 belt: wide(c.tangent_velocity),
                 impulse: m.points.get(id).map_or(0.0, |p| p.data.impulse).into(),
-                ..contact(pair)
+                ..contact(pair, around)
             }
         })
     });
@@ -92,7 +92,7 @@ fn found_anew(pair: &Pair, around: &Surroundings, dt: f64) -> Vec<RigidContact> 
                     ],
                     normal: wide(normal),
                     impulse: p.data.impulse.into(),
-                    ..contact(pair)
+                    ..contact(pair, around)
                 };
                 add(contact, f64::from(ONE_POINT * near), &mut contacts);
             }
@@ -148,7 +148,7 @@ fn recall_impulses(pair: &Pair, reach: f32, contacts: &mut [RigidContact]) {
 }
 
 /// What all points of a pair have in common.
-fn contact(pair: &Pair) -> RigidContact {
+fn contact(pair: &Pair, around: &Surroundings) -> RigidContact {
     let [first, second] = &pair.sides;
     let [a, b] = [first.collider, second.collider];
     let rank = |k: usize| {
@@ -158,6 +158,12 @@ fn contact(pair: &Pair) -> RigidContact {
         })
     };
     let dominance = rank(0) - rank(1);
+    let moves = |side: &Side| side.body.is_some_and(|(_, b)| b.is_dynamic());
+    let softness = if pair.sides.iter().all(moves) {
+        around.parameters.contact_softness
+    } else {
+        around.parameters.static_contact_softness
+    };
     RigidContact {
         bodies: pair.bodies(),
         points: [DVec3::ZERO; 2],
@@ -172,5 +178,6 @@ fn contact(pair: &Pair) -> RigidContact {
         .into(),
         belt: DVec3::ZERO,
         impulse: 0.0,
+        frequency: softness.angular_frequency().into(),
     }
 }

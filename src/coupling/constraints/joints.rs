@@ -1,12 +1,12 @@
-//! Joints that shadows can keep, as Rapier reads them: all but soft ones, and those whose turns about two axes count as one.
+//! Joints that shadows can keep, as Rapier reads them: all but soft ones, and those whose turns about two axes count as one; and those of
+//! multibodies, but for kinematic ones and where there is more to these than joints have: springs, friction, armature, couplings.
 
 use crate::contact::target::wide_rotation;
 use crate::coupling::observe::Surroundings;
 use crate::law::joint::{Axes, Motor};
 use crate::math::{DQuat, DVec3, wide};
 use rapier3d::dynamics::{
-    GenericJoint, ImpulseJoint, ImpulseJointHandle, JointAxesMask, MotorModel, RigidBody,
-    RigidBodyHandle,
+    GenericJoint, JointAxesMask, MotorModel, Multibody, MultibodyLink, RigidBody, RigidBodyHandle,
 };
 use rapier3d::math::Pose;
 use std::collections::BTreeSet;
@@ -26,17 +26,89 @@ pub struct RigidJoint {
     pub per_mass: [bool; 6],
 }
 
-/// The joints of a body.
-pub fn of<'a>(
-    body: RigidBodyHandle,
-    around: &Surroundings<'a>,
-) -> impl Iterator<Item = (ImpulseJointHandle, &'a ImpulseJoint)> {
-    let joints = around.joints.attached_enabled_joints(body);
-    joints.map(|(_, _, handle, joint)| (handle, joint))
+/// A joint of Rapier's, of one kind or the other.
+#[derive(Clone, Copy)]
+pub struct AnyJoint<'a> {
+    bodies: [RigidBodyHandle; 2],
+    data: &'a GenericJoint,
+    /// Whether it is one of a multibody, whose motors Rapier solves exactly.
+    reduced: bool,
+    /// What a multibody damps along and about its axes \[N·s/m\], \[N·m·s\].
+    drag: [f64; 6],
 }
 
-/// The bodies that joints hold together with `body`, itself included, if shadows can keep all of these joints and
-/// none of the bodies is a link of a multibody.
+/// What tells joints apart: their kind, and a handle.
+pub type JointKey = (bool, (u32, u32));
+
+/// The joints of a body.
+pub fn of<'a>(body: RigidBodyHandle, around: &Surroundings<'a>) -> Vec<(JointKey, AnyJoint<'a>)> {
+    let joints = around.joints.attached_enabled_joints(body);
+    let joints = joints.map(|(_, _, handle, joint)| {
+        let any = AnyJoint {
+            bodies: [joint.body1(), joint.body2()],
+            data: &joint.data,
+            reduced: false,
+            drag: [0.0; 6],
+        };
+        ((false, handle.into_raw_parts()), any)
+    });
+    let multibody = multibody_of(body, around);
+    let reduced = multibody.into_iter().flat_map(move |multibody| {
+        let joined = multibody
+            .links()
+            .filter_map(|link| Some((link, parent(multibody, link)?)));
+        let own = joined.filter(move |(link, parent)| {
+            link.rigid_body_handle() == body || parent.rigid_body_handle() == body
+        });
+        own.map(|(link, parent)| {
+            let handle = link.rigid_body_handle();
+            let any = AnyJoint {
+                bodies: [parent.rigid_body_handle(), handle],
+                data: &link.joint.data,
+                reduced: true,
+                drag: drag(multibody, link),
+            };
+            ((true, handle.into_raw_parts()), any)
+        })
+    });
+    joints.chain(reduced).collect()
+}
+
+/// The multibody that a body is a link of.
+pub fn multibody_of<'a>(body: RigidBodyHandle, around: &Surroundings<'a>) -> Option<&'a Multibody> {
+    let link = around.multibodies.rigid_body_link(body)?;
+    around.multibodies.get_multibody(link.multibody)
+}
+
+fn parent<'a>(multibody: &'a Multibody, link: &MultibodyLink) -> Option<&'a MultibodyLink> {
+    link.parent_id().and_then(|id| multibody.link(id))
+}
+
+fn drag(multibody: &Multibody, link: &MultibodyLink) -> [f64; 6] {
+    let mut free = link.assembly_id()..;
+    [0, 1, 2, 3, 4, 5].map(|i| {
+        let is_locked = link.joint.data.locked_axes.bits() & (1 << i) != 0;
+        let own = if is_locked { None } else { free.next() };
+        own.and_then(|i| multibody.damping().get(i))
+            .map_or(0.0, |&d| d.into())
+    })
+}
+
+/// Whether shadows can keep all joints of a multibody.
+fn can_keep(multibody: &Multibody) -> bool {
+    let joints = multibody.links().filter(|link| !link.is_root());
+    let mut joints = joints.map(|link| &link.joint);
+    let zero = |values: &[f32]| values.iter().all(|x| *x == 0.0);
+    multibody.couplings().is_empty()
+        && zero(multibody.frictions().as_slice())
+        && zero(multibody.armature().as_slice())
+        && joints.all(|joint| {
+            let has_springs = (0..6).any(|i| joint.spring(i).0 != 0.0);
+            !joint.kinematic && !has_springs && joint.data.coupled_axes.is_empty()
+        })
+}
+
+/// The bodies that joints hold together with `body`, itself included, if shadows can keep all of these joints.
 pub fn linkage(
     body: RigidBodyHandle,
     around: &Surroundings,
@@ -47,14 +119,14 @@ pub fn linkage(
     let mut next = 0;
     while let Some(&current) = found.get(next) {
         next += 1;
-        if around.multibodies.rigid_body_link(current).is_some() {
+        if multibody_of(current, around).is_some_and(|m| !can_keep(m)) {
             return None;
         }
         for (_, joint) in of(current, around) {
-            if !is_kept(&joint.data, dt) {
+            if !joint.reduced && !is_kept(joint.data, dt) {
                 return None;
             }
-            for other in [joint.body1(), joint.body2()] {
+            for other in joint.bodies {
                 let moves = around.bodies.get(other).is_some_and(|b| b.is_dynamic());
                 if moves && known.insert(other.into_raw_parts()) {
                     found.push(other);
@@ -79,9 +151,13 @@ pub fn is_soft(joint: &GenericJoint, dt: f64) -> bool {
 }
 
 /// What the joint does to its bodies in a step of `dt` s.
-pub fn held(joint: &ImpulseJoint, around: &Surroundings, dt: f64) -> Option<RigidJoint> {
-    let handles = [joint.body1(), joint.body2()];
-    let data = &joint.data;
+pub fn held(joint: &AnyJoint, around: &Surroundings, dt: f64) -> Option<RigidJoint> {
+    let AnyJoint {
+        bodies: handles,
+        data,
+        reduced,
+        drag,
+    } = *joint;
     let bodies = [
         around.bodies.get(handles[0])?,
         around.bodies.get(handles[1])?,
@@ -141,7 +217,8 @@ pub fn held(joint: &ImpulseJoint, around: &Surroundings, dt: f64) -> Option<Rigi
             limits,
             motors,
             solver_step: dt / iterations.max(1) as f64,
-            sweeps: sweeps as i32,
+            sweeps: if reduced { i32::MAX } else { sweeps as i32 },
+            drag,
         },
         per_mass: axes.map(|i| data.motors[i].model == MotorModel::AccelerationBased),
     })

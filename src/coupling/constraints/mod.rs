@@ -11,7 +11,7 @@ mod pairs;
 #[cfg(test)]
 mod tests;
 
-use super::observe::{self, Answer, Surroundings};
+use super::observe::{self, Surroundings};
 use crate::math::DVec3;
 pub use joints::{RigidJoint, is_soft};
 use rapier3d::dynamics::RigidBodyHandle;
@@ -34,6 +34,8 @@ pub struct RigidContact {
     pub belt: DVec3,
     /// Impulse along the normal in Rapier's last step \[N·s\].
     pub impulse: f64,
+    /// Natural frequency of Rapier's contact, which gives way as a spring of its own [1/s], whatever the masses.
+    pub frequency: f64,
 }
 
 /// The contacts and joints of bodies that deformables can touch, of what these press on or hang on, and so forth.
@@ -71,8 +73,8 @@ impl RigidConstraints {
             let mut others = linkage;
             found.followed.insert(handle.into_raw_parts());
             for (number, joint) in joints::of(handle, around) {
-                if held.insert(number.into_raw_parts())
-                    && let Some(joint) = joints::held(joint, around, dt)
+                if held.insert(number)
+                    && let Some(joint) = joints::held(&joint, around, dt)
                 {
                     found.add_joint(joint);
                 }
@@ -146,7 +148,7 @@ impl RigidConstraints {
         let mut next = 0;
         while let Some(&handle) = heap.get(next) {
             next += 1;
-            let pressed = |b| observe::answer(handle, b, self, around) == Answer::Constrained;
+            let pressed = |b| observe::answer(handle, b, self, around).is_kept();
             if !around.bodies.get(handle).is_some_and(pressed) {
                 continue;
             }

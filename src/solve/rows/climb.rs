@@ -206,7 +206,9 @@ impl Pass<'_> {
             let slower = (fastest - LEAD_RATE * depth.max(0.0)).max(0.1 * fastest);
             self.excess(row) < -slower
         };
+        let mut rigid = self.rigid.iter();
         (0..self.contacts.len()).any(sinks)
+            || rigid.any(|row| row.errors(self.shadows)[0] < -fastest)
     }
 
     /// Gives a row other impulses.

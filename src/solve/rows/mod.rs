@@ -21,6 +21,7 @@ mod rigid;
 mod settled;
 mod spread;
 mod squeeze;
+mod stand;
 mod supports;
 mod tie;
 mod visit;
@@ -40,6 +41,7 @@ use settled::Settled;
 pub use settled::{Give, Negligible};
 use spread::Bearer;
 use squeeze::{Held, Squeeze};
+use stand::Heaps;
 pub use tie::Tie;
 use warm::Clusters;
 use worklist::Worklist;
@@ -127,6 +129,7 @@ pub struct Rows {
     composites: Composites,
     clusters: Clusters,
     bearers: Vec<Bearer>,
+    heaps: Heaps,
     tried: Vec<usize>,
     worklist: Worklist,
     answers: Answers,

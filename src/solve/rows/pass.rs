@@ -7,6 +7,7 @@ use super::points::{self, Points};
 use super::rigid::{Answers, start_rigid};
 use super::settled::{Give, Settled};
 use super::squeeze::{Held, Squeeze};
+use super::stand::Heaps;
 use super::worklist::Worklist;
 use super::{JointRow, RigidRow, Row, Rows, Tie};
 use crate::law::row::{allowed_velocity, chord, yielding};
@@ -81,7 +82,13 @@ impl Rows {
         pass.start_warm(&mut self.clusters);
         pass.spread_loads(&mut self.bearers, &mut self.tried);
         pass.pass_over_still();
-        pass.converge(passes, self.blow, SINKS * self.push_out, reversed);
+        pass.converge(
+            passes,
+            self.blow,
+            SINKS * self.push_out,
+            reversed,
+            &mut self.heaps,
+        );
         pass.follow_all();
         pass.book();
         self.composites.end(shadows);
@@ -106,6 +113,13 @@ impl Rows {
     pub fn end(&mut self, shadows: &[Shadow], h: f64) {
         for row in &mut self.rigid {
             row.end(shadows, h);
+        }
+    }
+
+    /// Ends a step of `dt` s of Rapier's: bodies get what its contacts can't bear.
+    pub fn spare_contacts(&self, shadows: &mut [Shadow], dt: f64) {
+        for row in &self.rigid {
+            row.spare(shadows, dt);
         }
     }
 
@@ -147,28 +161,45 @@ pub(super) struct Pass<'a> {
 
 impl Pass<'_> {
     /// Passes over the rows until one changes nothing, `passes` at most, or so many times as many where rows hang together or
-    /// something sinks in faster than `sinks` m/s. After a blow none of them is rested.
-    fn converge(&mut self, passes: usize, blow: bool, sinks: f64, reversed: bool) {
+    /// something sinks in faster than `sinks` m/s. After a blow none of them is rested. Where shadows press on each other a pass can
+    /// change little and be far from the end, see [`super::stand`].
+    fn converge(
+        &mut self,
+        passes: usize,
+        blow: bool,
+        sinks: f64,
+        reversed: bool,
+        heaps: &mut Heaps,
+    ) {
         let most = if blow || self.is_coupled() {
             SINKING * passes
         } else {
             passes
         };
-        let mut thorough = blow;
+        let (mut thorough, mut stood) = (blow, false);
         for n in 0..most {
-            let looks = n >= COUPLED * passes && n % passes == 0;
-            if looks && !self.sinks(sinks) {
-                break;
+            if n >= COUPLED * passes && n % passes == 0 {
+                if !self.sinks(sinks) {
+                    break;
+                }
+                self.stand(heaps);
             }
             self.settled.tolerance = if n < passes { 1e-9 } else { 1e-3 };
             let late = (passes..COUPLED * passes).contains(&n);
             self.rests = late && !thorough && n % RESTS != 0;
-            if !self.solve_all(reversed == (n % 2 == 0)) {
-                thorough = self.rests && self.sinks(sinks);
-                if !thorough {
-                    break;
-                }
+            if self.solve_all(reversed == (n % 2 == 0)) {
+                stood = false;
+                continue;
             }
+            thorough = self.rests && self.sinks(sinks);
+            if thorough {
+                continue;
+            }
+            if stood || self.rigid.is_empty() || !self.sinks(sinks) {
+                break;
+            }
+            self.stand(heaps);
+            stood = true;
         }
     }
 
@@ -318,6 +349,7 @@ impl Pass<'_> {
         for tie in self.ties.iter().filter(|t| !t.between) {
             book(tie.shadow, tie.arm, tie.impulse);
         }
+        self.rigid.iter_mut().for_each(RigidRow::book);
     }
 }
 

@@ -35,10 +35,25 @@ pub struct RigidRow {
     pub normal_impulse: f64,
     /// Accumulated friction impulse on the second along two sides that are square to the normal, likewise \[N·s\].
     pub friction_impulse: [f64; 2],
+    /// The mean force in a step that Rapier's own contact bears without giving way \[N\]; what it is pressed by beyond that it is
+    /// spared.
+    pub bears: f64,
     /// Whether the bodies have pressed on each other in any substep so far.
     pub pressed: bool,
+    /// What it has borne since the step began.
+    pub load: Load,
     /// What the pass makes of it.
     pub made: Made,
+}
+
+/// The sum of a contact's impulses in a step.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Load {
+    /// Along the normal \[N·s\].
+    normal: f64,
+    /// On the second body \[N·s\], and integrated over the time of the substeps \[N·s²\].
+    impulse: DVec3,
+    shift: DVec3,
 }
 
 /// How two shadows answer at a point, set for as long as they answer in the same way. All is along the normal and two sides: a
@@ -53,6 +68,8 @@ pub struct Made {
     mass: f64,
     /// Smallest relative normal velocity that is allowed in the substep \[m/s\].
     allowed: f64,
+    /// What would stop the bodies as they come, nothing else pressing on them \[N·s\].
+    own: f64,
     /// Velocity of the belt along the sides \[m/s\].
     belt: [f64; 2],
     /// What the shadows make of an impulse.
@@ -146,6 +163,7 @@ pub(super) fn start_rigid(
             row.prepare(shadows);
         }
         row.made.allowed = allowed_velocity(-row.gap, h);
+        row.made.own = row.made.mass * (row.made.allowed - row.speed(shadows)).max(0.0);
         climb.slope += row.slope(shadows);
     }
     for row in &*rows {
@@ -163,7 +181,7 @@ pub(super) fn start_rigid(
 
 impl RigidRow {
     /// Along the normal and the sides \[N·s\].
-    fn impulse(&self) -> [f64; 3] {
+    pub(super) fn impulse(&self) -> [f64; 3] {
         let [first, second] = self.friction_impulse;
         [self.normal_impulse, first, second]
     }
@@ -176,11 +194,23 @@ impl RigidRow {
 
     /// The slope of what rows minimise along the impulse of this one, times the impulse \[J\].
     fn slope(&self, shadows: &[Shadow]) -> f64 {
+        let slopes = self.impulse().into_iter().zip(self.errors(shadows));
+        slopes.map(|(j, e)| j * e).sum()
+    }
+
+    /// By how much velocities along the normal and the sides exceed what they are to be \[m/s\].
+    pub(super) fn errors(&self, shadows: &[Shadow]) -> [f64; 3] {
         let [normal, first, second] = self.velocities(shadows);
-        let ([along_first, along_second], belt) = (self.friction_impulse, self.made.belt);
-        self.normal_impulse * (normal - self.made.allowed)
-            + along_first * (first - belt[0])
-            + along_second * (second - belt[1])
+        let Made { allowed, belt, .. } = self.made;
+        [normal - allowed, first - belt[0], second - belt[1]]
+    }
+
+    /// Gives more along the normal and the sides \[N·s\].
+    pub(super) fn give(&mut self, shadows: &mut [Shadow], more: [f64; 3]) {
+        self.normal_impulse += more[0];
+        self.friction_impulse[0] += more[1];
+        self.friction_impulse[1] += more[2];
+        self.push(shadows, more);
     }
 
     /// The speed that it has to stop in a substep of h s \[m/s\].
@@ -242,9 +272,42 @@ impl RigidRow {
         settled.felt(change, jn * jn, settles).any()
     }
 
+    /// Sums up what it bears of loads, less what stops bodies that come by themselves.
+    pub(super) fn book(&mut self) {
+        let share = 1.0 - self.made.own / self.normal_impulse;
+        if share > 0.0 {
+            let [n, s, t] = &self.made.axes;
+            let [along_n, along_s, along_t] = self.impulse().map(|j| j * share);
+            self.load.normal += along_n;
+            self.load.impulse += n.along * along_n + s.along * along_s + t.along * along_t;
+        }
+    }
+
+    /// Ends a step of `dt` s: what Rapier's contact can't bear of the load, the bodies get as well.
+    pub(super) fn spare(&self, shadows: &mut [Shadow], dt: f64) {
+        let share = 1.0 - self.bears * dt / self.load.normal;
+        if share <= 0.0 || share.is_nan() {
+            return;
+        }
+        for k in 0..2 {
+            let shadow = &mut shadows[self.shadows[k] as usize];
+            if !shadow.gives_way() {
+                continue;
+            }
+            let sign = [-1.0, 1.0][k] * self.shares[k] * share;
+            let (impulse, shift) = (self.load.impulse * sign, self.load.shift * sign);
+            let arm = self.arms[k];
+            shadow.borne.0 += impulse;
+            shadow.borne.1 += arm.cross(impulse);
+            shadow.shift.0 += shift;
+            shadow.shift.1 += arm.cross(shift);
+        }
+    }
+
     /// Ends a substep of h s.
     pub(super) fn end(&mut self, shadows: &[Shadow], h: f64) {
         self.pressed |= self.normal_impulse > 0.0;
+        self.load.shift += self.load.impulse * h;
         self.gap += h * self.speed(shadows);
     }
 

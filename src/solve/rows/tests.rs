@@ -2,6 +2,7 @@ mod composite;
 mod energy;
 mod joint;
 mod squeeze;
+mod stand;
 mod supports;
 
 use super::*;

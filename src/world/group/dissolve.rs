@@ -18,6 +18,7 @@ impl DeformableWorld {
         dt: f64,
     ) {
         group.shadows.iter_mut().for_each(Shadow::take_late);
+        group.rows.spare_contacts(&mut group.shadows, dt);
         group.release();
         group.follow();
         self.drowsy.extend(group.as_drowsy(dt, &self.params));
@@ -38,7 +39,10 @@ impl DeformableWorld {
 
     /// Gives rigid bodies their first part, and keeps what they wait for; nothing where a shadow is not finite.
     fn hand_first_part(&mut self, group: &mut Group, parts: &mut RapierParts, dt: f64) {
-        let mut impulses = group.shadows.iter().flat_map(|s| [s.impulse, s.torque]);
+        let mut impulses = group
+            .shadows
+            .iter()
+            .flat_map(|s| <[DVec3; 2]>::from(s.given()));
         let finite = impulses.all(DVec3::is_finite);
         let splits = group.splits(parts, dt);
         let mut near = group.near_bodies(NEAR * parts.length_unit());
@@ -57,7 +61,7 @@ impl DeformableWorld {
                 continue;
             }
             let end = if finite { *end } else { touched.start };
-            let pushed = end.impulse != DVec3::ZERO || end.torque != DVec3::ZERO;
+            let pushed = end.given() != Default::default();
             let mut pending = Pending::nothing();
             if pushed && touched.answer != Answer::None {
                 // Only what is pushed: Rapier takes whom it is asked for as changed.

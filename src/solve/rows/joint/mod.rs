@@ -134,12 +134,19 @@ impl JointRow {
     /// The axis with what drives it in a substep of h s, if anything does.
     fn drive(&self, i: usize, sides: [&Shadow; 2], h: f64) -> Option<Driven> {
         let motor = self.joint.axes.motors[i].as_ref();
-        if self.joint.axes.locked[i] || (motor.is_none() && self.joint.axes.limits[i].is_none()) {
+        let Axes {
+            locked,
+            limits,
+            drag,
+            ..
+        } = &self.joint.axes;
+        if locked[i] || (motor.is_none() && limits[i].is_none() && drag[i] == 0.0) {
             return None;
         }
         let off = motor.map_or(0.0, |m| self.place.off(i, m.place));
         let mut drive = Drive::new(motor, off, h, self.joint.axes.solver_step);
-        if let Some(limits) = self.joint.axes.limits[i] {
+        drive.damp(drag[i], h);
+        if let Some(limits) = limits[i] {
             drive.limit(self.place.room(i, limits), h);
         }
         let mut impulses = Vec6::zeros();
