@@ -43,6 +43,7 @@ mod solve;
 mod steady;
 mod step;
 mod stir;
+mod subset;
 mod substep;
 mod ties;
 mod touch;
