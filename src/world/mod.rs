@@ -15,6 +15,7 @@ mod deformable;
 mod edit;
 mod embed;
 mod energies;
+mod fast;
 mod follow;
 mod group;
 mod hooks;
