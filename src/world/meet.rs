@@ -335,7 +335,7 @@ mod tests {
         let parts = RapierParts::from(&mut world);
         let handles: Vec<_> = deformables.iter().map(|(handle, _)| handle).collect();
         let search = Search::new(
-            &deformables.known,
+            &mut deformables.known,
             &deformables.attachments,
             &parts,
             1.0 / 60.0,
@@ -381,7 +381,7 @@ mod tests {
             .unwrap();
         let parts = RapierParts::from(&mut world);
         let search = Search::new(
-            &deformables.known,
+            &mut deformables.known,
             &deformables.attachments,
             &parts,
             1.0 / 60.0,

@@ -21,6 +21,7 @@ mod group;
 mod hooks;
 mod into;
 mod kinematic;
+mod known;
 mod laden;
 mod meet;
 mod mend;
@@ -159,7 +160,7 @@ pub struct DeformableWorld {
     /// How kinematic bodies have moved.
     courses: kinematic::Courses,
     /// What Rapier's BVH knows.
-    known: reach::Known,
+    known: known::Known,
     /// Who touches whom.
     touches: BTreeMap<touch::TouchKey, touch::Touch>,
     /// Groups asleep, and groups that may fall asleep at the end of the step.

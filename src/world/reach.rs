@@ -6,6 +6,7 @@
 
 use super::fast::Fast;
 use super::hooks::{Gate, PairContext};
+use super::known::Known;
 use super::report::note;
 use super::sense::Sensing;
 use super::{AttachmentState, Deformable, DeformableHandle, RapierParts};
@@ -24,49 +25,6 @@ use rapier3d::pipeline::QueryFilter;
 pub(super) fn travel(speed: f64, dt: f64, parts: &RapierParts) -> f64 {
     let fall = f64::from(parts.gravity.length()) * dt * dt;
     (speed * dt + fall) * 1.5 + 0.05 * parts.length_unit()
-}
-
-/// What the BVH knew of each collider at its last update, by slot: generation, enabled, local bounds, and the pose of one
-/// without a body.
-type Description = (u32, bool, Aabb, Option<Pose>);
-pub(super) type Known = Vec<Option<Description>>;
-
-/// What the BVH will know of a collider after the coming step.
-fn description(collider: &Collider, generation: u32) -> Description {
-    (
-        generation,
-        collider.is_enabled(),
-        collider.shape().compute_local_aabb(),
-        collider.parent().is_none().then(|| *collider.position()),
-    )
-}
-
-/// The colliders that Rapier's BVH does not know as they are now.
-fn strays(known: &Known, parts: &RapierParts) -> Vec<ColliderHandle> {
-    let is_stray = |(handle, collider): &(ColliderHandle, &Collider)| {
-        let (index, generation) = handle.into_raw_parts();
-        known.get(index as usize) != Some(&Some(description(collider, generation)))
-            || true_pose(collider, parts) != *collider.position()
-    };
-    parts
-        .colliders
-        .iter()
-        .filter(is_stray)
-        .map(|(handle, _)| handle)
-        .collect()
-}
-
-/// Strays count as known once a Rapier step is certain to follow.
-pub(super) fn remember(known: &mut Known, strays: &[ColliderHandle], parts: &RapierParts) {
-    for &handle in strays {
-        let (index, generation) = handle.into_raw_parts();
-        let index = index as usize;
-        known.resize(known.len().max(index + 1), None);
-        known[index] = parts
-            .colliders
-            .get(handle)
-            .map(|c| description(c, generation));
-    }
 }
 
 /// A collider's pose by its body's, which is right even after a teleport.
@@ -93,7 +51,7 @@ pub(super) struct Search<'a> {
 impl<'a> Search<'a> {
     /// A search over the next `dt` s, in which rigid bodies hold what they hold.
     pub fn new(
-        known: &Known,
+        known: &mut Known,
         holds: &Arena<AttachmentState>,
         parts: &'a RapierParts<'a>,
         dt: f64,
@@ -101,7 +59,7 @@ impl<'a> Search<'a> {
         Self {
             parts,
             fast: Fast::find(parts, holds, dt),
-            strays: strays(known, parts),
+            strays: known.strays(parts),
             dt,
             lead: None,
         }
@@ -109,7 +67,7 @@ impl<'a> Search<'a> {
 
     /// A search at the beginning of a step of the world, over all of its `dt` s.
     pub fn ahead(
-        known: &Known,
+        known: &mut Known,
         holds: &Arena<AttachmentState>,
         parts: &'a RapierParts<'a>,
         dt: f64,

@@ -64,8 +64,8 @@ impl DeformableWorld {
     fn look_around(&mut self, parts: &RapierParts, dt: f64) -> (Vec<Reach>, Vec<Meeting>) {
         let mut sensing = std::mem::take(&mut self.sensing);
         let mut gate = self.open_gate();
-        let search = Search::new(&self.known, &self.attachments, parts, dt);
-        reach::remember(&mut self.known, &search.strays, parts);
+        let search = Search::new(&mut self.known, &self.attachments, parts, dt);
+        self.known.remember(&search.strays, parts);
         let mut unsupported = std::mem::take(&mut self.report.unsupported);
         let mut forms = std::mem::take(&mut self.forms);
         forms.forget_unused();

@@ -121,7 +121,7 @@ impl DeformableWorld {
         if drowsy.is_empty() {
             return;
         }
-        let search = Search::new(&self.known, &self.attachments, parts, dt);
+        let search = Search::new(&mut self.known, &self.attachments, parts, dt);
         for group in drowsy {
             let Some(island) = self.island(group, &search) else {
                 continue;

@@ -125,14 +125,16 @@ impl DeformableWorld {
     /// Wakes the groups that something will disturb in a step of the world of `dt` s, and what they in turn disturb.
     pub(in crate::world) fn wake_islands(&mut self, parts: &RapierParts, dt: f64) {
         if !self.islands.is_empty() {
-            self.wake_disturbed(&Search::ahead(&self.known, &self.attachments, parts, dt));
+            let search = Search::ahead(&mut self.known, &self.attachments, parts, dt);
+            self.wake_disturbed(&search);
         }
     }
 
     /// As [`Self::wake_islands`], between the Rapier steps of one step of the world.
     pub(in crate::world) fn wake_more_islands(&mut self, parts: &RapierParts, dt: f64) {
         if !self.islands.is_empty() {
-            self.wake_disturbed(&Search::new(&self.known, &self.attachments, parts, dt));
+            let search = Search::new(&mut self.known, &self.attachments, parts, dt);
+            self.wake_disturbed(&search);
         }
     }
 
