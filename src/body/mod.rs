@@ -8,6 +8,7 @@ mod crossing;
 mod embedded;
 pub mod error;
 pub mod id;
+pub(crate) mod incidence;
 pub mod material;
 pub mod net;
 pub mod search;

@@ -5,6 +5,7 @@ use super::motion::{Books, Start};
 use super::params::{DeformableParameters, Substeps};
 use super::sleep::Sleep;
 use super::steady::Steadiness;
+use super::subset::Incident;
 use crate::body::search::tree::Cache;
 use crate::body::{Blueprint, Embedded, NodeId, SpringId, State, Topology};
 use crate::contact::encounter::outline::Outline;
@@ -12,7 +13,7 @@ use crate::contact::target::Surface;
 use crate::math::{DVec3, Real, Vector, narrow};
 use crate::solve::external::ForceField;
 use crate::solve::{Integrator, Solver};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A deformable body.
 #[derive(Clone, Default)]
@@ -68,6 +69,8 @@ pub struct Deformable {
     pub(super) told: Vec<u32>,
     /// Those of the start of the rigid step.
     pub(super) told_before: Vec<u32>,
+    /// Made when energies of some of its nodes are first asked for; copies share it.
+    pub(super) incident: OnceLock<Arc<Incident>>,
     /// What queries remember until the nodes move.
     pub(super) cache: Cache,
     /// Anything the user wants to keep with the body.

@@ -20,7 +20,7 @@ impl Deformable {
     /// The same where only such `energies` change.
     pub(super) fn edit_by<T>(
         &mut self,
-        energies: fn(&Self) -> Energies,
+        energies: impl Fn(&Self) -> Energies,
         change: impl FnOnce(&mut Self) -> T,
     ) -> T {
         self.wake_up();
@@ -54,7 +54,9 @@ impl Deformable {
         let ok = node.index() < self.node_count() && has_square(position);
         if ok {
             self.edits += 1;
-            self.edit(|body| body.state.set_position(node.index(), wide(position)));
+            self.edit_at([node.0], |body| {
+                body.state.set_position(node.index(), wide(position));
+            });
         }
         ok
     }
@@ -64,7 +66,9 @@ impl Deformable {
     pub fn set_linvel_of(&mut self, node: NodeId, linvel: Vector) -> bool {
         let ok = node.index() < self.node_count() && has_square(linvel);
         if ok {
-            self.edit(|body| body.state.set_velocity(node.index(), wide(linvel)));
+            self.edit_at([node.0], |body| {
+                body.state.set_velocity(node.index(), wide(linvel));
+            });
             self.tell(node.0);
         }
         ok
@@ -133,7 +137,7 @@ impl Deformable {
     pub fn set_pinned(&mut self, node: NodeId, pinned: bool) -> bool {
         let ok = node.index() < self.node_count();
         if ok {
-            self.edit(|body| {
+            self.edit_at([node.0], |body| {
                 let mass = body.blueprint.nodes[node.index()].mass;
                 let inv_mass = if pinned { 0.0 } else { 1.0 / mass };
                 body.state.set_inv_mass(node.index(), inv_mass);

@@ -3,9 +3,7 @@
 use super::Deformable;
 use crate::law::plastic::{self, Mapped, Yield, return_map};
 use crate::law::spring as law;
-use crate::math::{Real, Vector};
 use crate::solve::Integrator;
-use crate::solve::fem::Part;
 use crate::solve::work::Work;
 
 /// Energies of a body and the work done on it so far \[J\].
@@ -53,43 +51,57 @@ impl Energies {
 impl Deformable {
     /// Energies now and work so far.
     pub fn energies(&self) -> Energies {
-        self.energies_about(|_| true)
+        let part = self.solver.part.as_ref();
+        self.energies_of(
+            0..self.node_count(),
+            0..self.spring_count(),
+            0..part.map_or(0, |part| part.model.element_count()),
+        )
     }
 
-    /// The same without those nodes, and those springs between two of them, that it is not about. Tets, links and work so far
-    /// are counted whole.
-    pub(super) fn energies_about(&self, about: impl Fn(usize) -> bool) -> Energies {
-        let mut energies = self.node_energies_about(&about);
+    /// Those of such nodes, springs and tets. Links of attachments and work so far are counted whole.
+    pub(super) fn energies_of(
+        &self,
+        nodes: impl Iterator<Item = usize>,
+        springs: impl Iterator<Item = usize>,
+        tets: impl Iterator<Item = usize> + Clone,
+    ) -> Energies {
+        let mut energies = self.node_energies_of(nodes);
         let lead = self.lead();
         if let Some(part) = &self.solver.part {
-            energies.elastic += part.model.energy(|n| self.state.local(n).to_array());
+            let position = |n| self.state.local(n).to_array();
+            energies.elastic += part.model.energy_of(tets.clone(), position);
             if lead > 0.0 {
-                energies.kinetic += lead * self.power_of_tets(part);
+                let velocity = |n| self.state.velocity(n).to_array();
+                energies.kinetic += lead * part.model.power_of(tets, position, velocity);
             }
         }
-        for (i, link) in self.solver.table.links.iter().enumerate() {
-            let stiffness = f64::from(link.stiffness);
-            let (a, b) = (link.a as usize, link.b as usize);
-            if stiffness == 0.0 || !(about(a) || about(b)) {
-                continue;
-            }
-            let d = self.state.local(b) - self.state.local(a);
-            let length = d.length();
-            let mapped = self.mapped(i, length, stiffness);
-            let elongation = length - f64::from(self.state.rest[i]);
-            energies.elastic += law::energy(stiffness, elongation - mapped.flow);
-            let rate = (self.state.velocity(b) - self.state.velocity(a)).dot(d)
-                / length.max(f64::MIN_POSITIVE);
-            let last = stiffness * (elongation - self.h * rate);
-            energies.work.plastic += plastic::work(last, &mapped);
-            energies.kinetic -= lead * mapped.tension * rate;
-        }
+        springs.for_each(|spring| self.add_spring(&mut energies, spring, lead));
         energies
+    }
+
+    fn add_spring(&self, energies: &mut Energies, spring: usize, lead: f64) {
+        let link = &self.solver.table.links[spring];
+        let stiffness = f64::from(link.stiffness);
+        if stiffness == 0.0 {
+            return;
+        }
+        let (a, b) = (link.a as usize, link.b as usize);
+        let d = self.state.local(b) - self.state.local(a);
+        let length = d.length();
+        let mapped = self.mapped(spring, length, stiffness);
+        let elongation = length - f64::from(self.state.rest[spring]);
+        energies.elastic += law::energy(stiffness, elongation - mapped.flow);
+        let rate = (self.state.velocity(b) - self.state.velocity(a)).dot(d)
+            / length.max(f64::MIN_POSITIVE);
+        let last = stiffness * (elongation - self.h * rate);
+        energies.work.plastic += plastic::work(last, &mapped);
+        energies.kinetic -= lead * mapped.tension * rate;
     }
 
     /// Those of its nodes by themselves, and work so far.
     pub(super) fn node_energies(&self) -> Energies {
-        self.node_energies_about(|_| true)
+        self.node_energies_of(0..self.node_count())
     }
 
     /// Velocities of symplectic Euler stand half a substep back: ½·h·F·v brings the kinetic energy to the positions' \[s\].
@@ -101,7 +113,7 @@ impl Deformable {
         }
     }
 
-    fn node_energies_about(&self, about: impl Fn(usize) -> bool) -> Energies {
+    fn node_energies_of(&self, nodes: impl Iterator<Item = usize>) -> Energies {
         let gravity = self.gravity();
         let mut energies = Energies {
             work: self.solver.work,
@@ -110,10 +122,8 @@ impl Deformable {
         };
         let lead = self.lead();
         let verlet = self.integrator() == Integrator::VelocityVerlet;
-        for (i, mass) in self.nodes_with_mass() {
-            if self.state.particles[i].inv_mass == 0.0 || !about(i) {
-                continue;
-            }
+        for i in nodes.filter(|i| self.state.particles[*i].inv_mass != 0.0) {
+            let mass = f64::from(self.blueprint.nodes[i].mass);
             let v = self.state.velocity(i);
             energies.kinetic += mass * (0.5 * v.length_squared() + lead * gravity.dot(v));
             if verlet {
@@ -125,16 +135,6 @@ impl Deformable {
             energies.gravity -= mass * gravity.dot(self.state.position(i) - self.datum);
         }
         energies
-    }
-
-    /// What the elastic forces of the tets do to the nodes now \[W\].
-    fn power_of_tets(&self, part: &Part<Real>) -> f64 {
-        let mut power = 0.0;
-        part.model.add_elastic(
-            |n| self.state.particles[n].x,
-            |n, f| power += Vector::from_array(f).as_dvec3().dot(self.state.velocity(n)),
-        );
-        power
     }
 
     /// Tension of a spring at a length, and the flow that the next force evaluation will commit, but for a digit of the length.

@@ -116,30 +116,36 @@ impl Deformable {
     /// body.
     fn shift_points(&mut self, points: &[Point], errors: &[DVec3]) {
         self.cache.forget();
-        let mut moved = vec![false; self.state.particles.len()];
-        let parts = points.iter().flat_map(|p| &p.parts);
-        parts.for_each(|part| moved[part.node as usize] = true);
-        let balance = self.energies_about(|n| moved[n]).balance();
+        let shifts = self.shifts(points, errors);
+        let subset = self.subset(shifts.iter().map(|(node, _)| *node));
+        let before = self.energies_in(&subset).balance();
         let mut farthest = 0.0_f64;
+        for (node, by) in shifts {
+            farthest = farthest.max(by.length());
+            self.state.displace(node as usize, by.as_vec3().to_array());
+        }
+        self.shifted += farthest;
+        self.solver.work.rigid += self.energies_in(&subset).balance() - before;
+    }
+
+    /// The nodes that are moved so, and how far \[m\]. A node of several points comes several times.
+    fn shifts(&self, points: &[Point], errors: &[DVec3]) -> Vec<(u32, DVec3)> {
+        let inv_mass = |p: &Part| f64::from(self.state.particles[p.node as usize].inv_mass);
+        let mut shifts = Vec::new();
         for (point, error) in points.iter().zip(errors) {
-            let share = |p: &Part| {
-                let inv_mass = self.state.particles[p.node as usize].inv_mass;
-                p.weight * f64::from(inv_mass)
-            };
-            let response: f64 = point.parts.iter().map(|p| p.weight * share(p)).sum();
+            let parts = point.parts.iter();
+            let response: f64 = parts.map(|p| p.weight * (p.weight * inv_mass(p))).sum();
             if response <= 0.0 {
                 continue;
             }
             for part in &point.parts {
-                let inv_mass = f64::from(self.state.particles[part.node as usize].inv_mass);
-                let by = *error * (-part.weight * inv_mass / response);
-                let node = part.node as usize;
-                farthest = farthest.max(by.length());
-                self.state.displace(node, by.as_vec3().to_array());
+                let by = *error * (-part.weight * inv_mass(part) / response);
+                if by != DVec3::ZERO {
+                    shifts.push((part.node, by));
+                }
             }
         }
-        self.shifted += farthest;
-        self.solver.work.rigid += self.energies_about(|n| moved[n]).balance() - balance;
+        shifts
     }
 }
 

@@ -5,7 +5,7 @@
 
 use super::group::BodyKey;
 use super::observer::Partner;
-use super::reach::{Search, travel};
+use super::reach::{Search, grown, travel};
 use super::substep::{Group, Settings};
 use super::{Deformable, DeformableHandle, DeformableWorld};
 use crate::contact::encounter::Encounter;
@@ -63,10 +63,7 @@ impl Meetings {
 
     /// Pairs whose boxes, grown by `reach`, overlap.
     fn overlaps(&mut self, swept: &[Swept], reach: impl Fn(&Swept) -> f64) -> Vec<Meeting> {
-        let boxes = swept.iter().map(|s| {
-            let by = reach(s) as f32;
-            Aabb::new(s.bounds.mins - by, s.bounds.maxs + by)
-        });
+        let boxes = swept.iter().map(|s| grown(&s.bounds, reach(s)));
         let boxes: Vec<Aabb> = boxes.collect();
         for (s, grown) in swept.iter().zip(&boxes) {
             self.tree.insert_or_update_partially(*grown, s.slot, 0.0);
@@ -126,6 +123,7 @@ impl DeformableWorld {
                 for k in [i, j] {
                     if (most - swept[k].speed) * search.dt > 0.02 * unit {
                         swept[k].speed = most;
+                        swept[k].be_struck(search);
                         faster = true;
                     }
                 }
@@ -208,22 +206,32 @@ impl DeformableWorld {
         search: &Search,
     ) -> Aabb {
         let swept = swept(handle, body, search);
-        let by = travel(swept.speed, search.dt, search.parts) as f32;
-        Aabb::new(swept.bounds.mins - by, swept.bounds.maxs + by)
+        let by = travel(swept.speed, search.dt, search.parts);
+        grown(&swept.bounds, by)
     }
 }
 
 fn swept(handle: DeformableHandle, body: &Deformable, search: &Search) -> Swept {
     let mut speed = body.coming_speed(search.lead);
     if body.sleep.beside_rigid {
-        speed = speed.max(search.rigid_speed);
+        speed = speed.max(search.fast.slow());
     }
     let spacing = body.outline.as_ref().map_or(0.0, |o| o.spacing);
     let spacing = if spacing.is_finite() { spacing } else { 0.0 };
-    Swept {
+    let mut swept = Swept {
         slot: handle.key().0,
         bounds: body.box_within(spacing.max(body.surface().thickness.into())),
         speed,
+    };
+    swept.be_struck(search);
+    swept
+}
+
+impl Swept {
+    /// It may become as fast as the rigid bodies that it meets.
+    fn be_struck(&mut self, search: &Search) {
+        let fast = search.fast_speed(&self.bounds, self.speed);
+        self.speed = self.speed.max(fast);
     }
 }
 
@@ -288,4 +296,98 @@ pub(super) fn find_rows(
     encounter.add_rows(&mut bodies, rows, reach);
     (a.outline, b.outline) = (Some(of_a), Some(of_b));
     closing
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::{Material, NodeId};
+    use crate::math::Vector;
+    use crate::shape;
+    use crate::world::{AttachTo, Attachment, DeformableBuilder, RapierParts};
+    use rapier3d::dynamics::RigidBodyBuilder;
+    use rapier3d::geometry::ColliderBuilder;
+    use rapier3d::pipeline::PhysicsWorld;
+
+    /// A row of blocks on a fixed floor, 0.3 m apart, after a first step; and a ball at a place and a velocity.
+    fn row(ball: Vector, linvel: Vector) -> (PhysicsWorld, DeformableWorld) {
+        let mut world = PhysicsWorld::default();
+        let floor = RigidBodyBuilder::fixed().translation(Vector::Y * -1.0);
+        world.insert(floor, ColliderBuilder::cuboid(100.0, 1.0, 100.0));
+        let mut deformables = DeformableWorld::default();
+        for i in 0..6 {
+            let net = shape::lattice(Vector::splat(0.2), 0.1);
+            let block = DeformableBuilder::new(net).material(Material::rubber());
+            let at = Vector::new(0.5 * i as f32, 0.1, 0.0);
+            deformables.insert(block.translation(at)).unwrap();
+        }
+        let body = RigidBodyBuilder::dynamic()
+            .translation(ball)
+            .gravity_scale(0.0)
+            .linvel(linvel);
+        world.insert(body, ColliderBuilder::ball(0.05));
+        deformables.step(&mut world);
+        (world, deformables)
+    }
+
+    fn meetings(ball: Vector, linvel: Vector) -> (Vec<Meeting>, Vec<f64>) {
+        let (mut world, mut deformables) = row(ball, linvel);
+        let parts = RapierParts::from(&mut world);
+        let handles: Vec<_> = deformables.iter().map(|(handle, _)| handle).collect();
+        let search = Search::new(
+            &mut deformables.known,
+            &deformables.attachments,
+            &parts,
+            1.0 / 60.0,
+        );
+        deformables.find_meetings(&handles, &search)
+    }
+
+    /// Symptom: everything met everything within metres, and took it into its group, while one body anywhere was fast.
+    #[test]
+    fn what_is_fast_far_off_makes_no_meetings() {
+        for linvel in [Vector::Y * 400.0, Vector::X * -400.0] {
+            let (pairs, speeds) = meetings(Vector::new(1000.0, 1000.0, 0.0), linvel);
+            assert!(pairs.is_empty(), "{pairs:?}");
+            assert!(speeds.iter().all(|v| *v < 1.0), "{speeds:?}");
+        }
+    }
+
+    /// One that comes makes the first as fast as itself, and that one all the others, though none moves yet.
+    #[test]
+    fn what_is_fast_and_comes_makes_meetings_of_all_it_may_drive_together() {
+        // 6.7 m in a step: it will be 5.2 m from the first when the step ends that is looked at.
+        let (pairs, speeds) = meetings(Vector::new(-12.0, 0.1, 0.0), Vector::X * 400.0);
+        let all: Vec<Meeting> = (0..6)
+            .flat_map(|i| (i + 1..6).map(move |j| [i, j]))
+            .collect();
+        assert_eq!(pairs, all);
+        assert!(speeds.iter().all(|v| *v > 399.0), "{speeds:?}");
+    }
+
+    /// A body without colliders that holds a block on a long arm is as fast for it as one that comes from as far.
+    #[test]
+    fn what_a_fast_body_holds_may_be_as_fast() {
+        let far = Vector::new(0.0, 0.0, 500.0);
+        let (mut world, mut deformables) = row(far, Vector::ZERO);
+        let body = RigidBodyBuilder::kinematic_velocity_based()
+            .translation(Vector::Y * 50.0)
+            .linvel(Vector::X * 100.0);
+        let body = world.insert_body(body);
+        let handles: Vec<_> = deformables.iter().map(|(handle, _)| handle).collect();
+        let pin = Attachment::pin([NodeId(0)]);
+        deformables
+            .attach(handles[0], pin, AttachTo::Body(body), &world.bodies)
+            .unwrap();
+        let parts = RapierParts::from(&mut world);
+        let search = Search::new(
+            &mut deformables.known,
+            &deformables.attachments,
+            &parts,
+            1.0 / 60.0,
+        );
+        let (pairs, speeds) = deformables.find_meetings(&handles, &search);
+        assert!(speeds[0] > 99.0, "{speeds:?}");
+        assert!(pairs.contains(&[0, 1]), "{pairs:?}");
+    }
 }

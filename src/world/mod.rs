@@ -15,11 +15,13 @@ mod deformable;
 mod edit;
 mod embed;
 mod energies;
+mod fast;
 mod follow;
 mod group;
 mod hooks;
 mod into;
 mod kinematic;
+mod known;
 mod laden;
 mod meet;
 mod mend;
@@ -43,6 +45,7 @@ mod solve;
 mod steady;
 mod step;
 mod stir;
+mod subset;
 mod substep;
 mod ties;
 mod touch;
@@ -157,7 +160,7 @@ pub struct DeformableWorld {
     /// How kinematic bodies have moved.
     courses: kinematic::Courses,
     /// What Rapier's BVH knows.
-    known: reach::Known,
+    known: known::Known,
     /// Who touches whom.
     touches: BTreeMap<touch::TouchKey, touch::Touch>,
     /// Groups asleep, and groups that may fall asleep at the end of the step.

@@ -57,21 +57,17 @@ impl Deformable {
     /// Gives led nodes velocities. The kinetic energy of symplectic Euler is told half a substep on, so that the power of springs
     /// at them is in it: whoever leads them has put in what it changes by.
     fn lead_nodes(&mut self, led: &[(usize, DVec3)]) {
-        if led.is_empty() {
+        let changes = |(node, v): &&(usize, DVec3)| self.state.velocity(*node) != *v;
+        let changed = led.iter().filter(changes).map(|(node, _)| *node as u32);
+        let subset = self.subset(changed);
+        if subset.nodes.is_empty() {
             return;
         }
-        let mut moves = vec![false; self.state.particles.len()];
-        for &(node, v) in led {
-            moves[node] = self.state.velocity(node) != v;
-        }
-        if !moves.contains(&true) {
-            return;
-        }
-        let before = self.energies_about(|node| moves[node]).balance();
+        let before = self.energies_in(&subset).balance();
         for &(node, v) in led {
             self.state.set_velocity(node, v);
         }
-        let after = self.energies_about(|node| moves[node]).balance();
+        let after = self.energies_in(&subset).balance();
         self.solver.work.external += after - before;
     }
 
@@ -282,7 +278,9 @@ impl Deformable {
                 self.moved += way;
                 if self.solver.last_substep.is_none() {
                     // The step went wrong and was taken back: it has not been led there.
-                    self.edit(|body| body.state.set_position(node as usize, target));
+                    self.edit_at([node], |body| {
+                        body.state.set_position(node as usize, target)
+                    });
                 } else {
                     self.state.set_position(node as usize, target);
                 }

@@ -4,15 +4,17 @@
 //! or one whose body was teleported, enters it only within Rapier's next step. Such strays are found by one look over
 //! all colliders and tested one by one.
 
+use super::fast::Fast;
 use super::hooks::{Gate, PairContext};
+use super::known::Known;
 use super::report::note;
 use super::sense::Sensing;
-use super::{Deformable, DeformableHandle, RapierParts};
+use super::{AttachmentState, Deformable, DeformableHandle, RapierParts};
 use crate::contact::form::Forms;
 use crate::contact::target::{Target, admits, pushes, target, wide_rotation};
-use crate::coupling::observe::velocity;
 use crate::math::{DVec3, Pose, narrow, wide};
 use crate::solve::shadow::Shadow;
+use rapier3d::data::arena::Arena;
 use rapier3d::dynamics::RigidBodyHandle;
 use rapier3d::geometry::{Aabb, Collider, ColliderHandle};
 use rapier3d::parry::bounding_volume::BoundingVolume;
@@ -23,63 +25,6 @@ use rapier3d::pipeline::QueryFilter;
 pub(super) fn travel(speed: f64, dt: f64, parts: &RapierParts) -> f64 {
     let fall = f64::from(parts.gravity.length()) * dt * dt;
     (speed * dt + fall) * 1.5 + 0.05 * parts.length_unit()
-}
-
-/// The fastest that any point of an awake body moves in the coming `dt` s \[m/s\]. Rapier's set of active bodies lacks those
-/// that have not made a step yet, and the velocity of a kinematic body is that of the last one.
-fn fastest_rigid(parts: &RapierParts, dt: f64) -> f64 {
-    parts
-        .bodies
-        .iter()
-        .filter(|(_, b)| b.is_enabled() && !b.is_fixed() && !b.is_sleeping())
-        .map(|(_, b)| {
-            let (v, w) = velocity(b, dt);
-            v.length() + w.length() * f64::from(b.mass_properties().max_extent())
-        })
-        .fold(0.0, f64::max)
-}
-
-/// What the BVH knew of each collider at its last update, by slot: generation, enabled, local bounds, and the pose of one
-/// without a body.
-type Description = (u32, bool, Aabb, Option<Pose>);
-pub(super) type Known = Vec<Option<Description>>;
-
-/// What the BVH will know of a collider after the coming step.
-fn description(collider: &Collider, generation: u32) -> Description {
-    (
-        generation,
-        collider.is_enabled(),
-        collider.shape().compute_local_aabb(),
-        collider.parent().is_none().then(|| *collider.position()),
-    )
-}
-
-/// The colliders that Rapier's BVH does not know as they are now.
-fn strays(known: &Known, parts: &RapierParts) -> Vec<ColliderHandle> {
-    let is_stray = |(handle, collider): &(ColliderHandle, &Collider)| {
-        let (index, generation) = handle.into_raw_parts();
-        known.get(index as usize) != Some(&Some(description(collider, generation)))
-            || true_pose(collider, parts) != *collider.position()
-    };
-    parts
-        .colliders
-        .iter()
-        .filter(is_stray)
-        .map(|(handle, _)| handle)
-        .collect()
-}
-
-/// Strays count as known once a Rapier step is certain to follow.
-pub(super) fn remember(known: &mut Known, strays: &[ColliderHandle], parts: &RapierParts) {
-    for &handle in strays {
-        let (index, generation) = handle.into_raw_parts();
-        let index = index as usize;
-        known.resize(known.len().max(index + 1), None);
-        known[index] = parts
-            .colliders
-            .get(handle)
-            .map(|c| description(c, generation));
-    }
 }
 
 /// A collider's pose by its body's, which is right even after a teleport.
@@ -94,8 +39,8 @@ pub(super) fn true_pose(collider: &Collider, parts: &RapierParts) -> Pose {
 /// What every deformable of a step asks alike.
 pub(super) struct Search<'a> {
     pub parts: &'a RapierParts<'a>,
-    /// Speed of the fastest rigid body \[m/s\].
-    pub rigid_speed: f64,
+    /// The awake rigid bodies.
+    pub fast: Fast,
     pub strays: Vec<ColliderHandle>,
     /// The stretch of time \[s\].
     pub dt: f64,
@@ -104,24 +49,70 @@ pub(super) struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// A search over the next `dt` s.
-    pub fn new(known: &Known, parts: &'a RapierParts<'a>, dt: f64) -> Self {
+    /// A search over the next `dt` s, in which rigid bodies hold what they hold.
+    pub fn new(
+        known: &mut Known,
+        holds: &Arena<AttachmentState>,
+        parts: &'a RapierParts<'a>,
+        dt: f64,
+    ) -> Self {
         Self {
             parts,
-            rigid_speed: fastest_rigid(parts, dt),
-            strays: strays(known, parts),
+            fast: Fast::find(parts, holds, dt),
+            strays: known.strays(parts),
             dt,
             lead: None,
         }
     }
 
     /// A search at the beginning of a step of the world, over all of its `dt` s.
-    pub fn ahead(known: &Known, parts: &'a RapierParts<'a>, dt: f64) -> Self {
+    pub fn ahead(
+        known: &mut Known,
+        holds: &Arena<AttachmentState>,
+        parts: &'a RapierParts<'a>,
+        dt: f64,
+    ) -> Self {
         Self {
             lead: (dt > 0.0).then_some(dt),
-            ..Self::new(known, parts, dt)
+            ..Self::new(known, holds, parts, dt)
         }
     }
+
+    /// Speed of the fastest fast body that may meet what is within `bounds` and goes at `speed` m/s, and whatever else that one
+    /// drives it to \[m/s\]; 0 without one.
+    pub fn fast_speed(&self, bounds: &Aabb, speed: f64) -> f64 {
+        let mut fastest = 0.0;
+        if self.fast.is_empty() {
+            return fastest;
+        }
+        let margin = 0.02 * self.parts.length_unit();
+        loop {
+            let speed = speed + self.fast.slow().max(fastest);
+            let met = self
+                .fast
+                .within(&grown(bounds, travel(speed, self.dt, self.parts)));
+            let much = (met - fastest) * self.dt > margin;
+            fastest = met.max(fastest);
+            if !much {
+                return fastest;
+            }
+        }
+    }
+
+    /// The same of all rigid bodies. Nobody asks for the bounds while none is fast.
+    pub fn rigid_speed(&self, bounds: impl FnOnce() -> Aabb, speed: f64) -> f64 {
+        let slow = self.fast.slow();
+        if self.fast.is_empty() {
+            return slow;
+        }
+        slow.max(self.fast_speed(&bounds(), speed))
+    }
+}
+
+/// A box with so much more on all sides \[m\].
+pub(super) fn grown(bounds: &Aabb, by: f64) -> Aabb {
+    let by = by as f32;
+    Aabb::new(bounds.mins - by, bounds.maxs + by)
 }
 
 impl Deformable {
@@ -142,7 +133,8 @@ pub(super) fn for_each_in_reach(
     gate: &mut Gate,
     found: impl FnMut(ColliderHandle, &Collider, bool),
 ) {
-    let reach = travel(speed + search.rigid_speed, search.dt, search.parts);
+    let rigid_speed = search.rigid_speed(|| body.box_within(0.0), speed);
+    let reach = travel(speed + rigid_speed, search.dt, search.parts);
     for_each_within((own, body), &body.box_within(reach), search, gate, found);
 }
 

@@ -173,7 +173,7 @@ impl DeformableWorld {
         if !self.iter().any(|(_, b)| b.is_active()) {
             return false;
         }
-        let search = Search::ahead(&self.known, parts, dt);
+        let search = Search::ahead(&mut self.known, &self.attachments, parts, dt);
         let mut found = false;
         let mut gate = self.open_gate();
         for (own, body) in self.iter().filter(|(_, b)| b.is_active()) {

@@ -59,7 +59,7 @@ impl Tets {
     }
 
     /// The nodes of each, corners first.
-    pub fn iter(&self) -> impl Iterator<Item = &[u32]> {
+    pub fn iter(&self) -> impl Iterator<Item = &[u32]> + Clone {
         let (linear, quadratic) = match self {
             Self::Linear(tets) => (&tets[..], &[][..]),
             Self::Quadratic(tets) => (&[][..], &tets[..]),

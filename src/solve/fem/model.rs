@@ -190,7 +190,28 @@ impl<S: Scalar> Model<S> {
 
     /// The elastic energy \[J\].
     pub fn energy(&self, position: impl Fn(usize) -> [f64; 3]) -> f64 {
-        by_kind!(self, (e, _) => by_law!(self, f64, law => pass::energy(e, &law, position)))
+        self.energy_of(0..self.element_count(), position)
+    }
+
+    /// That of some elements \[J\].
+    pub(crate) fn energy_of(
+        &self,
+        list: impl Iterator<Item = usize>,
+        position: impl Fn(usize) -> [f64; 3],
+    ) -> f64 {
+        by_kind!(self, (e, _) => by_law!(self, f64, law => pass::energy(e, list, &law, position)))
+    }
+
+    /// What the elastic forces of some elements do to the nodes \[W\].
+    pub(crate) fn power_of(
+        &self,
+        list: impl Iterator<Item = usize>,
+        position: impl Fn(usize) -> [f64; 3],
+        velocity: impl Fn(usize) -> [f64; 3],
+    ) -> f64 {
+        by_kind!(self, (e, _) => by_law!(self, f64, law => {
+            pass::power(e, list, &law, position, velocity)
+        }))
     }
 
     /// Stress and strain of an element; `None` for an unknown one.

@@ -5,8 +5,8 @@
 //! element's forces are added in the order of elements, so all widths give the same bits.
 
 use super::blocks::{Batch, Blocks};
-use super::elements::{Basis, Elements};
-use crate::law::elastic::tensor::{Mat, mul, mul_transpose, scale, zero};
+use super::elements::{Basis, Element, Elements};
+use crate::law::elastic::tensor::{Mat, contract, mul, mul_transpose, scale, zero};
 use crate::law::elastic::{Elastic, Viscous};
 use crate::math::{Packed, Scalar};
 use std::ops::Range;
@@ -127,9 +127,10 @@ where
     }
 }
 
-/// The elastic energy \[J\].
+/// The elastic energy of some elements \[J\].
 pub fn energy<B, L, const N: usize, const G: usize>(
     elements: &Elements<B, N, G>,
+    list: impl Iterator<Item = usize>,
     law: &L,
     position: impl Fn(usize) -> [f64; 3],
 ) -> f64
@@ -137,11 +138,36 @@ where
     B: Basis<N, G>,
     L: Elastic<f64>,
 {
-    let of = |element: &super::elements::Element<N, G>| -> f64 {
+    let of = |element: &Element<N, G>| -> f64 {
         let x = B::gradients(&element.gather(&position));
         let each = element.points.iter().zip(&x);
         each.map(|(p, x)| law.energy(&mul(x, &p.inverse)) * p.volume)
             .sum()
     };
-    elements.list.iter().map(of).sum()
+    list.map(|i| of(&elements.list[i])).sum()
+}
+
+/// What the elastic forces of some elements do to the nodes, −∫P:Ḟ dV \[W\].
+pub fn power<B, L, const N: usize, const G: usize>(
+    elements: &Elements<B, N, G>,
+    list: impl Iterator<Item = usize>,
+    law: &L,
+    position: impl Fn(usize) -> [f64; 3],
+    velocity: impl Fn(usize) -> [f64; 3],
+) -> f64
+where
+    B: Basis<N, G>,
+    L: Elastic<f64>,
+{
+    let of = |element: &Element<N, G>| -> f64 {
+        let x = B::gradients(&element.gather(&position));
+        let v = B::gradients(&element.gather(&velocity));
+        let each = element.points.iter().zip(x.iter().zip(&v));
+        each.map(|(p, (x, v))| {
+            let stress = law.stress(&mul(x, &p.inverse));
+            contract(&stress, &mul(v, &p.inverse)) * p.volume
+        })
+        .sum()
+    };
+    -list.map(|i| of(&elements.list[i])).sum::<f64>()
 }

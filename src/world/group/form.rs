@@ -64,8 +64,8 @@ impl DeformableWorld {
     fn look_around(&mut self, parts: &RapierParts, dt: f64) -> (Vec<Reach>, Vec<Meeting>) {
         let mut sensing = std::mem::take(&mut self.sensing);
         let mut gate = self.open_gate();
-        let search = Search::new(&self.known, parts, dt);
-        reach::remember(&mut self.known, &search.strays, parts);
+        let search = Search::new(&mut self.known, &self.attachments, parts, dt);
+        self.known.remember(&search.strays, parts);
         let mut unsupported = std::mem::take(&mut self.report.unsupported);
         let mut forms = std::mem::take(&mut self.forms);
         forms.forget_unused();
@@ -124,7 +124,11 @@ impl DeformableWorld {
             let Some(mut body) = self.take(reach.handle) else {
                 continue;
             };
-            body.sleep.beside_rigid = reach.targets.iter().any(|t| t.body.is_some());
+            let moves = |b: RigidBodyHandle| {
+                let body = origins.around.bodies.get(b);
+                body.is_some_and(|b| !b.is_fixed())
+            };
+            body.sleep.beside_rigid = reach.targets.iter().any(|t| t.body.is_some_and(moves));
             let member = group.members.len();
             let (moved, spacing) = ((body.edits, body.shifted), body.contact_topology().spacing);
             group.members.push((reach.handle, body));

@@ -31,7 +31,7 @@ pub(super) struct Sleep {
     slow_for: f64,
     /// The momentum that it had when it fell asleep, summed up over all times it did \[N·s\].
     pub lost: DVec3,
-    /// Whether a rigid body was in reach in the last step.
+    /// Whether a rigid body that is not fixed was in reach in the last step.
     pub beside_rigid: bool,
 }
 
@@ -121,7 +121,7 @@ impl DeformableWorld {
         if drowsy.is_empty() {
             return;
         }
-        let search = Search::new(&self.known, parts, dt);
+        let search = Search::new(&mut self.known, &self.attachments, parts, dt);
         for group in drowsy {
             let Some(island) = self.island(group, &search) else {
                 continue;

@@ -77,7 +77,7 @@ impl DeformableWorld {
         if !self.iter().any(|(_, b)| b.is_active()) {
             return;
         }
-        let search = Search::ahead(&self.known, parts, dt);
+        let search = Search::ahead(&mut self.known, &self.attachments, parts, dt);
         let mut wake = self.loads_of_moving_pins(&search);
         let mut forms = std::mem::take(&mut self.forms);
         let mut gate = self.open_gate();

@@ -9,7 +9,7 @@ use crate::contact::form::address;
 use crate::coupling::observe::velocity;
 use crate::math::{DVec3, Pose, Real};
 use crate::world::hooks::Gate;
-use crate::world::reach::{self, Search, travel, true_pose};
+use crate::world::reach::{self, Search, grown, travel, true_pose};
 use crate::world::{DeformableHandle, DeformableWorld, RapierParts};
 use rapier3d::dynamics::{CoefficientCombineRule, RigidBody};
 use rapier3d::geometry::{Aabb, Collider, ColliderHandle, SharedShape};
@@ -87,7 +87,8 @@ impl DeformableWorld {
     ) -> Option<Vec<Neighbour>> {
         let body = self.get(deformable)?;
         let parts = search.parts;
-        let reach = bounds.loosened(travel(search.rigid_speed, search.dt, parts) as f32);
+        let rigid_speed = search.rigid_speed(|| *bounds, 0.0);
+        let reach = grown(bounds, travel(rigid_speed, search.dt, parts));
         let mut neighbours = Some(Vec::new());
         reach::for_each_within(
             (deformable, body),
@@ -124,14 +125,16 @@ impl DeformableWorld {
     /// Wakes the groups that something will disturb in a step of the world of `dt` s, and what they in turn disturb.
     pub(in crate::world) fn wake_islands(&mut self, parts: &RapierParts, dt: f64) {
         if !self.islands.is_empty() {
-            self.wake_disturbed(&Search::ahead(&self.known, parts, dt));
+            let search = Search::ahead(&mut self.known, &self.attachments, parts, dt);
+            self.wake_disturbed(&search);
         }
     }
 
     /// As [`Self::wake_islands`], between the Rapier steps of one step of the world.
     pub(in crate::world) fn wake_more_islands(&mut self, parts: &RapierParts, dt: f64) {
         if !self.islands.is_empty() {
-            self.wake_disturbed(&Search::new(&self.known, parts, dt));
+            let search = Search::new(&mut self.known, &self.attachments, parts, dt);
+            self.wake_disturbed(&search);
         }
     }
 

@@ -14,11 +14,10 @@ mod error;
 pub use error::SnapshotError;
 
 use super::group::BodyKey;
+use super::known::Known;
 use super::sleep::{HeldShape, Island, Neighbour};
 use super::touch::{Touch, TouchKey};
-use super::{
-    AttachmentState, Deformable, DeformableParameters, DeformableWorld, kinematic, meet, reach,
-};
+use super::{AttachmentState, Deformable, DeformableParameters, DeformableWorld, kinematic, meet};
 use crate::contact::candidates::{self, Candidates};
 use crate::contact::encounter::Encounter;
 use crate::contact::target::target;
@@ -46,7 +45,7 @@ struct Outgoing<'a> {
     encounters: &'a BTreeMap<(BodyKey, BodyKey), Encounter>,
     meetings: &'a meet::Meetings,
     courses: &'a kinematic::Courses,
-    known: &'a reach::Known,
+    known: &'a Known,
     touches: &'a BTreeMap<TouchKey, Touch>,
     islands: &'a [Island],
     /// Hashes of the shapes beside the islands, in their order; `None` for those that are others by now.
@@ -68,7 +67,7 @@ struct Incoming {
     encounters: BTreeMap<(BodyKey, BodyKey), Encounter>,
     meetings: meet::Meetings,
     courses: kinematic::Courses,
-    known: reach::Known,
+    known: Known,
     touches: BTreeMap<TouchKey, Touch>,
     islands: Vec<Island>,
     shapes: Vec<Option<u64>>,
