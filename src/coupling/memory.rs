@@ -32,8 +32,8 @@ pub struct BodyMemory {
     pub seen: u64,
 }
 
-/// How much of the answer that was computed for it a constrained body gives: for links of multibodies, and for
-/// bodies in joints that shadows can't keep.
+/// How much of the answer that was computed for it a constrained body gives: for
+/// bodies in joints, of multibodies or others, that shadows can't keep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde-serialize",

@@ -233,7 +233,7 @@ enum Mount {
     None,
     /// Joints that are enabled.
     Joints,
-    /// It is a link of a multibody, which shadows can't follow.
+    /// It is a link of a multibody, whose joints Rapier leaves in no error.
     Link,
 }
 

@@ -7,7 +7,7 @@
 //! redundant one finds nothing left to do.
 //!
 //! Shadows keep most joints themselves, with their limits and motors. This is for bodies of which one has a soft joint, one with
-//! a limit of the turns about two axes together, or is a link of a multibody, which they can't.
+//! a limit of the turns about two axes together, or is a link of a multibody with more to it than joints have, which they can't.
 //!
 //! A rigid contact that presses counts as a joint too, and holds along the surface as long as it does not slide. That is
 //! right while it lasts, which nobody knows beforehand. So where there are contacts, and where there are limits, motors or

@@ -2,7 +2,8 @@
 //!
 //! What presses on a rigid body in a heap feels what that body presses on. Rapier finds these contacts and answers them
 //! once per step; between its answers the shadows keep them, so that a body on a floor gives way to nothing above it, and
-//! to everything beside it. Their impulses stay among the shadows: Rapier gets only what deformables gave.
+//! to everything beside it. Their impulses stay among the shadows, and Rapier gets what deformables gave; but where it would give way to
+//! that, as its contacts are the softer the lighter a body is, it gets what contacts of shadows answered beyond what its own can bear.
 
 use super::climb::Climb;
 use super::pass::inverse;

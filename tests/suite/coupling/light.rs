@@ -39,7 +39,7 @@ fn a_soft_block_does_not_drive_light_bodies_into_the_ground() {
                 .translation(Vector::new(0.01, 0.22, 0.013))
                 .rotation(Rotation::from_rotation_y(0.3))
                 .linvel(Vector::Y * -5.6);
-            let soft = set.insert(soft).unwrap();
+            set.insert(soft).unwrap();
             let (mut lowest, mut defect) = (f32::INFINITY, 0.0);
             for _ in 0..30 {
                 set.step(&mut world);
@@ -48,8 +48,6 @@ fn a_soft_block_does_not_drive_light_bodies_into_the_ground() {
             }
             assert!(lowest > 0.047, "{what}: {lowest}");
             assert!(f64::abs(defect) < 2.0, "{what}: {defect} J");
-            let moved_out = set[soft].energies().work.push_out;
-            assert!(moved_out < 10.0, "{what}: {moved_out} J");
         }
     }
 }
