@@ -349,7 +349,6 @@ impl Pass<'_> {
         for tie in self.ties.iter().filter(|t| !t.between) {
             book(tie.shadow, tie.arm, tie.impulse);
         }
-        self.rigid.iter_mut().for_each(RigidRow::book);
     }
 }
 

@@ -274,7 +274,7 @@ impl RigidRow {
     }
 
     /// Sums up what it bears of loads, less what stops bodies that come by themselves.
-    pub(super) fn book(&mut self) {
+    fn book(&mut self) {
         let share = 1.0 - self.made.own / self.normal_impulse;
         if share > 0.0 {
             let [n, s, t] = &self.made.axes;
@@ -308,6 +308,7 @@ impl RigidRow {
     /// Ends a substep of h s.
     pub(super) fn end(&mut self, shadows: &[Shadow], h: f64) {
         self.pressed |= self.normal_impulse > 0.0;
+        self.book();
         self.load.shift += self.load.impulse * h;
         self.gap += h * self.speed(shadows);
     }
