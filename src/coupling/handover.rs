@@ -1,12 +1,13 @@
 //! The hand-over: what a rigid body gets, before and after Rapier's step, so that it ends where its shadow is, as fast as
 //! its shadow is, and with exactly the momentum the deformables gave, of free bodies also made good for what Rapier's step does to
-//! the angular one.
+//! the angular one. Where Rapier's contacts are too soft for that, it gets what contacts of its shadow answered as well, and so does
+//! what they press on.
 //!
 //! An impulse J before the step displaces J·dt/m, one after it nothing; a force F held over it s·F·dt²/m. A free body
 //! gets a first part that puts it at the shadow's position, and the rest of the impulse afterwards; likewise a spin that turns it
 //! as its shadow has turned, and then its shadow's. A body with rigid contacts or joints gets it within the step, so that Rapier's
 //! own constraints can answer it: a part at the start or at the end, and the rest as a force, split so that it ends where its
-//! shadow is. (The mean force alone, which does not know when in the step the impulse came, lets a jointed pair leave a hard impact
+//! shadow is. A link of a multibody gets it all as a force. (The mean force alone, which does not know when in the step the impulse came, lets a jointed pair leave a hard impact
 //! 3 % too slow.) Where the shadow can't foresee the answer, it is the mean force, and the answer is measured.
 //!
 //! Rapier damps what a body has at the end of its step without the impulses still to come, which may be what bears its weight. So it gets

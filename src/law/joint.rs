@@ -19,7 +19,7 @@ pub struct Axes {
     pub solver_step: f64,
     /// How often Rapier goes over its rows in each of them.
     pub sweeps: i32,
-    /// Damping of those that are not locked, without motors \[N·s/m\], \[N·m·s\].
+    /// Damping of those that are not locked, apart from what motors do \[N·s/m\], \[N·m·s\].
     pub drag: [f64; 6],
 }
 

@@ -35,7 +35,7 @@ pub struct Shadow {
     /// Angular acceleration by user torques \[rad/s²\], scaled likewise.
     pub spin_up: DVec3,
     /// By how much its velocity stands before its position \[s\], see [`Self::synchronise`]: half of Rapier's solver iterations, 0 for
-    /// what is led on a course; `None` for what is not free or is driven by a motor.
+    /// what is led on a course; `None` for what is not free, is driven by a motor, or gets forces alone.
     pub lead: Option<f64>,
     /// By how much its velocity is ahead of Rapier's because of that \[m/s\].
     pub ahead: DVec3,

@@ -9,9 +9,6 @@ use crate::math::{DQuat, DVec3};
 use crate::solve::rows::{Joint, JointRow, RigidRow};
 use std::collections::BTreeSet;
 
-/// What Rapier's contacts give way by before they are spared the load, in length units.
-const SAG: f64 = 1e-3;
-
 impl Group {
     /// Adds the contacts and joints of all touched bodies with other rigid ones, and of those with others again.
     pub fn find_rigid_constraints(&mut self, origins: &mut Origins) {
@@ -92,8 +89,6 @@ impl Group {
         let response: f64 = (0..2)
             .map(|k| contact.shares[k] * sides[k].response(arm(k), contact.normal))
             .sum();
-        // k = m·ω², m being the mass that the point feels.
-        let bears = SAG * contact.frequency.powi(2) / response;
         let row = RigidRow {
             shadows,
             arms: [arm(0), arm(1)],
@@ -105,7 +100,7 @@ impl Group {
             belt: contact.belt,
             // A force for now, until the length of a substep is known.
             normal_impulse: contact.impulse / dt,
-            bears,
+            bears: contact.bears / response,
             ..RigidRow::default()
         };
         self.rows.rigid.push(row);

@@ -147,6 +147,9 @@ fn recall_impulses(pair: &Pair, reach: f32, contacts: &mut [RigidContact]) {
     }
 }
 
+/// What Rapier's contacts may give way by to the load of a step, in length units; they are spared the rest.
+const SAG: f64 = 1e-3;
+
 /// What all points of a pair have in common.
 fn contact(pair: &Pair, around: &Surroundings) -> RigidContact {
     let [first, second] = &pair.sides;
@@ -158,8 +161,12 @@ fn contact(pair: &Pair, around: &Surroundings) -> RigidContact {
         })
     };
     let dominance = rank(0) - rank(1);
-    let moves = |side: &Side| side.body.is_some_and(|(_, b)| b.is_dynamic());
-    let softness = if pair.sides.iter().all(moves) {
+    let unit = f64::from(around.parameters.length_unit);
+    let gives_way = |side: &Side| {
+        side.body
+            .is_some_and(|(_, b)| b.is_dynamic() && !b.is_sleeping())
+    };
+    let softness = if dominance == 0 && pair.sides.iter().all(gives_way) {
         around.parameters.contact_softness
     } else {
         around.parameters.static_contact_softness
@@ -178,6 +185,6 @@ fn contact(pair: &Pair, around: &Surroundings) -> RigidContact {
         .into(),
         belt: DVec3::ZERO,
         impulse: 0.0,
-        frequency: softness.angular_frequency().into(),
+        bears: SAG * unit * f64::from(softness.angular_frequency()).powi(2),
     }
 }

@@ -34,8 +34,8 @@ pub struct RigidContact {
     pub belt: DVec3,
     /// Impulse along the normal in Rapier's last step \[N·s\].
     pub impulse: f64,
-    /// Natural frequency of Rapier's contact, which gives way as a spring of its own [1/s], whatever the masses.
-    pub frequency: f64,
+    /// The force that Rapier's contact bears without giving way, per mass that the point feels \[N/kg\]: its springs suit the masses.
+    pub bears: f64,
 }
 
 /// The contacts and joints of bodies that deformables can touch, of what these press on or hang on, and so forth.
@@ -60,6 +60,8 @@ impl RigidConstraints {
         let mut next: Vec<RigidBodyHandle> = seeds.into_iter().collect();
         let (mut pairs, mut held) = (BTreeSet::new(), BTreeSet::new());
         let mut known: BTreeSet<_> = next.iter().map(|b| b.into_raw_parts()).collect();
+        // Those of which it is known that shadows can follow all that joints hold together with them.
+        let mut kept = BTreeSet::new();
         while let Some(handle) = next.pop() {
             let Some(body) = around.bodies.get(handle) else {
                 continue;
@@ -67,10 +69,14 @@ impl RigidConstraints {
             if !body.is_dynamic() || body.is_sleeping() {
                 continue;
             }
-            let Some(linkage) = joints::linkage(handle, around, dt) else {
-                continue;
-            };
-            let mut others = linkage;
+            let mut others = Vec::new();
+            if !kept.contains(&handle.into_raw_parts()) {
+                let Some(linkage) = joints::linkage(handle, around, dt) else {
+                    continue;
+                };
+                kept.extend(linkage.iter().map(|b| b.into_raw_parts()));
+                others = linkage;
+            }
             found.followed.insert(handle.into_raw_parts());
             for (number, joint) in joints::of(handle, around) {
                 if held.insert(number)
@@ -140,7 +146,7 @@ impl RigidConstraints {
         list.map(|&i| (i, &self.joints[i]))
     }
 
-    /// The bodies that a body constraints on or hangs on, those that they do, and so forth, itself included; those that don't
+    /// The bodies that a body presses on or hangs on, those that they do, and so forth, itself included; those that don't
     /// answer, and those that shadows can't follow, end a chain.
     pub fn heap(&self, body: RigidBodyHandle, around: &Surroundings) -> Vec<RigidBodyHandle> {
         let mut heap = vec![body];

@@ -182,7 +182,9 @@ impl Pass<'_> {
                 if !self.sinks(sinks) {
                     break;
                 }
-                self.stand(heaps);
+                if !self.rigid.is_empty() {
+                    self.stand(heaps);
+                }
             }
             self.settled.tolerance = if n < passes { 1e-9 } else { 1e-3 };
             let late = (passes..COUPLED * passes).contains(&n);

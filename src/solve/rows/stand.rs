@@ -3,8 +3,8 @@
 //! Nodes that come down on a light body which lies on the ground stop that body rather than themselves; the ground stops it again, and
 //! they press on: each pass takes them m/(m+M) of their way, one part in hundreds. So where passes did not end it, nodes are
 //! stopped as if the bodies that they press on would not give way, and these hand all that on to what they press on
-//! themselves. Of that change of all impulses the share is taken which leads farthest down, see [`super::climb`]: all of it where bodies stand,
-//! and little where they don't.
+//! themselves. Of that change of all impulses the share is taken which leads farthest down, see [`super::climb`]: all of it where
+//! bodies stand, and little where they don't, or where joints hold them.
 
 use super::climb::Climb;
 use super::pass::{Pass, inverse};
@@ -12,7 +12,7 @@ use super::settled::{Felt, Settled};
 use crate::math::DVec3;
 
 /// How often contacts of shadows are visited: a few bodies alone, whose masses are not far apart.
-const SWEEPS: usize = 64;
+const SETTLES: usize = 64;
 
 /// A row as it was before it was changed.
 #[derive(Clone, Copy, Debug)]
@@ -49,9 +49,11 @@ pub(super) struct Heaps {
 }
 
 impl Heaps {
-    fn root(&self, mut shadow: u32) -> u32 {
+    fn root(&mut self, mut shadow: u32) -> u32 {
         while self.parent[shadow as usize] != shadow {
-            shadow = self.parent[shadow as usize];
+            let above = self.parent[self.parent[shadow as usize] as usize];
+            self.parent[shadow as usize] = above;
+            shadow = above;
         }
         shadow
     }
@@ -68,8 +70,9 @@ impl Heaps {
         self.rigid.clear();
         for (i, row) in pass.rigid.iter().enumerate() {
             if let Some(one) = row.shadows.into_iter().find(moves) {
+                let heap = self.root(one);
                 self.rigid.push(Before {
-                    heap: self.root(one),
+                    heap,
                     row: i,
                     impulses: row.impulse(),
                     errors: [0.0; 3],
@@ -78,9 +81,11 @@ impl Heaps {
         }
         self.contacts.clear();
         for (i, row) in pass.contacts.iter().enumerate() {
-            if moves(&row.shadow) && row.softness == 0.0 {
+            // What is lifted has a budget of its own.
+            if moves(&row.shadow) && row.softness == 0.0 && row.lift.speed == 0.0 {
+                let heap = self.root(row.shadow);
                 self.contacts.push(Before {
-                    heap: self.root(row.shadow),
+                    heap,
                     row: i,
                     impulses: [row.normal_impulse],
                     errors: [0.0],
@@ -168,7 +173,7 @@ impl Pass<'_> {
             tolerance: 1e-9,
             ..self.settled
         };
-        for _ in 0..SWEEPS {
+        for _ in 0..SETTLES {
             let mut changed = false;
             for before in rigid {
                 changed |= self.rigid[before.row].solve(self.shadows, settled);
