@@ -81,8 +81,7 @@ impl Heaps {
         }
         self.contacts.clear();
         for (i, row) in pass.contacts.iter().enumerate() {
-            // What is lifted has a budget of its own.
-            if moves(&row.shadow) && row.softness == 0.0 && row.lift.speed == 0.0 {
+            if moves(&row.shadow) && row.softness == 0.0 {
                 let heap = self.root(row.shadow);
                 self.contacts.push(Before {
                     heap,
