@@ -91,3 +91,51 @@ fn rapiers_contacts_keep_what_they_can_bear() {
     assert!((some - 2.0).abs() < 1e-2, "{some}");
     assert_eq!(none, 0.0);
 }
+
+/// What two bodies get of a contact, with its friction, is opposite and along one line; a body that dominates the other gets nothing.
+#[test]
+fn what_a_contact_is_spared_is_momentum_of_both_bodies() {
+    let point = DVec3::new(0.3, 0.1, -0.2);
+    let body = |com: DVec3, mass: f64| Shadow {
+        com,
+        inv_mass: DMat3::from_diagonal(DVec3::splat(1.0 / mass)),
+        inv_inertia: DMat3::from_diagonal(DVec3::new(9.0, 7.0, 8.0) / mass),
+        ..Shadow::FIXED
+    };
+    let spared = |shares: [f64; 2]| {
+        let mut shadows = [
+            Shadow::FIXED,
+            body(DVec3::new(0.2, -0.1, 0.0), 5.0),
+            body(DVec3::new(0.1, 0.3, -0.1), 0.5),
+        ];
+        let mut rows = rows(
+            0.8,
+            0.0,
+            DVec3::new(0.1, 0.2, 0.0),
+            DVec3::new(2.0, -5.0, 1.0),
+        );
+        rows.contacts[0].shadow = 2;
+        rows.rigid = vec![RigidRow {
+            shadows: [1, 2],
+            arms: [1, 2].map(|i: usize| point - shadows[i].com),
+            normal: DVec3::Y,
+            shares,
+            friction: 0.5,
+            ..RigidRow::default()
+        }];
+        rows.solve(&mut shadows, 1e-3, 64, false);
+        rows.end(&shadows, 1e-3);
+        rows.spare_contacts(&mut shadows, 1e-3);
+        shadows
+    };
+    let [_, one, two] = spared([1.0, 1.0]);
+    let (impulse, torque) = two.borne;
+    assert!(impulse.y > 0.1 && impulse.x.abs() > 0.01, "{impulse}");
+    assert!((one.borne.0 + impulse).length() < 1e-12);
+    let about = |s: &Shadow| s.com.cross(s.borne.0) + s.borne.1;
+    assert!((about(&one) + about(&two)).length() < 1e-12, "{torque}");
+    assert!((about(&two) - point.cross(impulse)).length() < 1e-12);
+    let [_, one, two] = spared([0.0, 1.0]);
+    assert_eq!(one.borne, Default::default());
+    assert!(two.borne.0.y > 0.1);
+}
