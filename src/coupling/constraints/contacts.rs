@@ -1,7 +1,7 @@
 //! The points of a pair.
 
-use super::RigidContact;
 use super::pairs::{Pair, Side};
+use super::{RigidContact, Softness};
 use crate::coupling::observe::Surroundings;
 use crate::math::{DVec3, Pose, Vector, wide};
 use rapier3d::dynamics::CoefficientCombineRule;
@@ -147,7 +147,7 @@ fn recall_impulses(pair: &Pair, reach: f32, contacts: &mut [RigidContact]) {
     }
 }
 
-/// What Rapier's contacts may give way by to the load of a step, in length units; they are spared the rest.
+/// How deep loads may press Rapier's contacts, in length units; they are spared the rest.
 const SAG: f64 = 1e-3;
 
 /// What all points of a pair have in common.
@@ -185,6 +185,6 @@ fn contact(pair: &Pair, around: &Surroundings) -> RigidContact {
         .into(),
         belt: DVec3::ZERO,
         impulse: 0.0,
-        bears: SAG * unit * f64::from(softness.angular_frequency()).powi(2),
+        softness: Softness::of(&softness, SAG * unit),
     }
 }

@@ -14,7 +14,7 @@ mod tests;
 use super::observe::{self, Surroundings};
 use crate::math::DVec3;
 pub use joints::{RigidJoint, is_soft};
-use rapier3d::dynamics::RigidBodyHandle;
+use rapier3d::dynamics::{RigidBodyHandle, SpringCoefficients};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A point where two rigid bodies press on each other, or may soon.
@@ -34,8 +34,37 @@ pub struct RigidContact {
     pub belt: DVec3,
     /// Impulse along the normal in Rapier's last step \[N·s\].
     pub impulse: f64,
-    /// The force that Rapier's contact bears without giving way, per mass that the point feels \[N/kg\]: its springs suit the masses.
-    pub bears: f64,
+    /// How it gives way in Rapier.
+    pub softness: Softness,
+}
+
+/// How Rapier's contacts give way: as springs and dampers that suit the masses of the bodies.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Softness {
+    /// How deep they may be pressed \[m\].
+    sag: f64,
+    /// Stiffness per mass that the point feels, ω² \[1/s²\].
+    stiffness: f64,
+    /// Damping per mass that the point feels, 2ζω \[1/s\].
+    damping: f64,
+}
+
+impl Softness {
+    fn of(spring: &SpringCoefficients<f32>, sag: f64) -> Self {
+        let omega = f64::from(spring.angular_frequency());
+        Self {
+            sag,
+            stiffness: omega * omega,
+            damping: 2.0 * f64::from(spring.damping_ratio) * omega,
+        }
+    }
+
+    /// The mean force that presses a contact that is `depth` m deep no deeper than it may be in a step of `dt` s, per mass that the point
+    /// feels \[N/kg\].
+    pub fn bears(&self, depth: f64, dt: f64) -> f64 {
+        let depth = depth.clamp(0.0, self.sag);
+        self.stiffness * depth + self.damping * (self.sag - depth) / dt
+    }
 }
 
 /// The contacts and joints of bodies that deformables can touch, of what these press on or hang on, and so forth.

@@ -36,8 +36,8 @@ pub struct RigidRow {
     pub normal_impulse: f64,
     /// Accumulated friction impulse on the second along two sides that are square to the normal, likewise \[N·s\].
     pub friction_impulse: [f64; 2],
-    /// The mean force in a step that Rapier's own contact bears without giving way \[N\]; what it is pressed by beyond that it is
-    /// spared.
+    /// The mean force in a step that Rapier's own contact bears without giving way too much \[N\]; what it is pressed by beyond that it
+    /// is spared.
     pub bears: f64,
     /// Whether the bodies have pressed on each other in any substep so far.
     pub pressed: bool,
@@ -69,8 +69,8 @@ pub struct Made {
     mass: f64,
     /// Smallest relative normal velocity that is allowed in the substep \[m/s\].
     allowed: f64,
-    /// What would stop the bodies as they come, nothing else pressing on them \[N·s\].
-    own: f64,
+    /// How fast the bodies come before anything presses on them, beyond what is allowed \[m/s\].
+    closing: f64,
     /// Velocity of the belt along the sides \[m/s\].
     belt: [f64; 2],
     /// What the shadows make of an impulse.
@@ -164,7 +164,7 @@ pub(super) fn start_rigid(
             row.prepare(shadows);
         }
         row.made.allowed = allowed_velocity(-row.gap, h);
-        row.made.own = row.made.mass * (row.made.allowed - row.speed(shadows)).max(0.0);
+        row.made.closing = (row.made.allowed - row.speed(shadows)).max(0.0);
         climb.slope += row.slope(shadows);
     }
     for row in &*rows {
@@ -273,9 +273,14 @@ impl RigidRow {
         settled.felt(change, jn * jn, settles).any()
     }
 
-    /// Sums up what it bears of loads, less what stops bodies that come by themselves.
-    fn book(&mut self) {
-        let share = 1.0 - self.made.own / self.normal_impulse;
+    /// Sums up what it bears of loads, less what stops bodies that come by themselves, without what is tied to them.
+    fn book(&mut self, shadows: &[Shadow]) {
+        let response = |k: usize| {
+            let shadow = &shadows[self.shadows[k] as usize];
+            self.shares[k] * shadow.response(self.arms[k], self.normal)
+        };
+        let own = self.made.closing * inverse(response(0) + response(1));
+        let share = 1.0 - own / self.normal_impulse;
         if share > 0.0 {
             let [n, s, t] = &self.made.axes;
             let [along_n, along_s, along_t] = self.impulse().map(|j| j * share);
@@ -308,7 +313,7 @@ impl RigidRow {
     /// Ends a substep of h s.
     pub(super) fn end(&mut self, shadows: &[Shadow], h: f64) {
         self.pressed |= self.normal_impulse > 0.0;
-        self.book();
+        self.book(shadows);
         self.load.shift += self.load.impulse * h;
         self.gap += h * self.speed(shadows);
     }
