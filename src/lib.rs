@@ -2,7 +2,8 @@
 //!
 //! A [`DeformableWorld`](world::DeformableWorld) stands beside a Rapier world. Its bodies are [nets](body::Net) of point
 //! masses and springs with constants in N/m, N·s/m and N, advanced in many substeps per step, in two-way contact with
-//! Rapier's colliders, with every force and every joule accounted for. The README shows the scenes and the limits.
+//! Rapier's colliders, with every force and every joule accounted for. The README shows the scenes and the limits; beside it
+//! `docs/` has a guide, the limits' conditions and measurements, and the tables of speed.
 //!
 //! ```
 //! use crumple::prelude::*;
@@ -79,3 +80,7 @@ pub mod prelude {
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
+
+#[cfg(doctest)]
+#[doc = include_str!("../docs/guide.md")]
+struct Guide;

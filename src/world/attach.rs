@@ -176,7 +176,7 @@ impl DeformableWorld {
 
     /// How far the farthest held point is from where it is held, now \[m\]. A rigid body that rests on others or hangs on
     /// joints, and is light for the springs behind the nodes, can be half a millimetre and 5 mrad off the place at which it holds them, see
-    /// the README's limits.
+    /// `docs/limits.md`.
     pub fn attachment_stretch(
         &self,
         handle: AttachmentHandle,
