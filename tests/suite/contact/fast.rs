@@ -1,12 +1,13 @@
 //! Nodes shot at thin things: none gets through.
 //!
 //! A cloud is one body of nodes without springs, each aimed at a point of the target that it would reach at a time of its
-//! own, from a random direction. What counts as through is judged in the target's frame from one frame to the next, by
+//! own, from a random direction. What counts as through is judged in the target's frame from one look to the next, by
 //! nothing that the crate computes: a way to the other side of the middle plane, well within the border of the plate.
 
 use super::{Random, block, box_mesh, flat_field, grid_mesh};
+use crate::support::weightless;
 use crumple::body::{Net, Node};
-use crumple::math::{DVec3, wide};
+use crumple::math::{DQuat, DVec3, wide};
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
 
@@ -67,6 +68,42 @@ fn cloud(count: usize, target: &RigidBody, random: &mut Random) -> Net {
     Net::new(nodes.collect(), vec![])
 }
 
+/// Which nodes go through the plane y = 0.
+struct Sides {
+    /// The last place, and the side it was on: of a node on the surface that of the place before.
+    last: Vec<(DVec3, f64)>,
+    through: Vec<bool>,
+}
+
+impl Sides {
+    fn of(places: Vec<DVec3>) -> Self {
+        Self {
+            through: vec![false; places.len()],
+            last: places.into_iter().map(|p| (p, p.y.signum())).collect(),
+        }
+    }
+
+    fn look(&mut self, now: Vec<DVec3>) {
+        for (((a, side), b), through) in self.last.iter_mut().zip(now).zip(&mut self.through) {
+            if b.y.abs() > ON && b.y.signum() != *side {
+                let part = if a.y.abs() > ON {
+                    a.y / (a.y - b.y)
+                } else {
+                    0.0
+                };
+                let x = *a + (b - *a) * part;
+                *through |= x.x.abs() < HALF.1 && x.z.abs() < HALF.1;
+                *side = b.y.signum();
+            }
+            *a = b;
+        }
+    }
+
+    fn lost(&self) -> usize {
+        self.through.iter().filter(|t| **t).count()
+    }
+}
+
 /// How many nodes went through.
 fn lost(name: &str, collider: ColliderBuilder, motion: Motion, count: usize) -> usize {
     let mut world = PhysicsWorld {
@@ -93,28 +130,12 @@ fn lost(name: &str, collider: ColliderBuilder, motion: Motion, count: usize) -> 
             .map(|p| wide(turn.inverse() * (wide(p) - shift).as_vec3()))
             .collect()
     };
-    // The last place, and the side it was on: of a node on the surface that of the place before.
-    let start = places(&world, &deformables);
-    let mut before: Vec<_> = start.iter().map(|p| (*p, p.y.signum())).collect();
-    let mut through = vec![false; count];
+    let mut sides = Sides::of(places(&world, &deformables));
     for _ in 0..STEPS.1 {
         deformables.step(&mut world);
-        let now = places(&world, &deformables);
-        for (((a, side), b), through) in before.iter_mut().zip(&now).zip(&mut through) {
-            if b.y.abs() > ON && b.y.signum() != *side {
-                let part = if a.y.abs() > ON {
-                    a.y / (a.y - b.y)
-                } else {
-                    0.0
-                };
-                let x = *a + (*b - *a) * part;
-                *through |= x.x.abs() < HALF.1 && x.z.abs() < HALF.1;
-                *side = b.y.signum();
-            }
-            *a = *b;
-        }
+        sides.look(places(&world, &deformables));
     }
-    let lost = through.iter().filter(|t| **t).count();
+    let lost = sides.lost();
     println!("{name}, {motion:?}: {lost} of {count}");
     lost
 }
@@ -159,6 +180,53 @@ fn shoot(count: usize) {
 #[test]
 fn ten_thousand_nodes_stay_on_their_side_of_each_plate() {
     shoot(2500);
+}
+
+/// Looks at nodes in every substep, in the frame of what turns about x.
+struct Turning {
+    spin: f64,
+    sides: Option<Sides>,
+}
+
+impl Observer for Turning {
+    fn substep(&mut self, s: &Substep) {
+        let back = DQuat::from_rotation_x(-self.spin * s.time);
+        let now = s.deformables[0].1.positions().map(|p| back * wide(p));
+        let now: Vec<DVec3> = now.collect();
+        match &mut self.sides {
+            Some(sides) => sides.look(now),
+            none => *none = Some(Sides::of(now)),
+        }
+    }
+}
+
+/// In whole frames, with the substeps that nodes without springs ask for: none. Of 1,500 nodes 221 came through a plate of 2 mm that
+/// turned at 20 rad/s, and 108 through a mesh at 3 rad/s, for they leave the straight line that their rows take them for by ω·v·h².
+#[test]
+fn nodes_stay_on_their_side_of_what_turns_fast() {
+    let mesh = grid_mesh((-0.5, -0.5), (1.0, 1.0), (9, 7), TriMeshFlags::empty());
+    let plate = ColliderBuilder::cuboid(0.5, 0.001, 0.5);
+    for (name, collider, spin) in [("plate", plate, 20.0), ("mesh", mesh, 3.0)] {
+        for (dt, friction) in [(1.0 / 60.0, 0.0), (1.0 / 60.0, 0.4), (1.0 / 240.0, 0.0)] {
+            let mut world = weightless(dt);
+            let body = RigidBodyBuilder::kinematic_velocity_based().angvel(Vector::X * spin);
+            let collider = collider.clone().friction(friction);
+            let (handle, _) = world.insert(body, collider);
+            let net = cloud(500, &world.bodies[handle], &mut Random(7));
+            let shot = DeformableBuilder::new(net).friction(friction);
+            let mut deformables = DeformableWorld::default();
+            deformables.insert(shot).unwrap();
+            let mut turning = Turning {
+                spin: spin.into(),
+                sides: None,
+            };
+            for _ in 0..(0.15 / dt) as usize {
+                deformables.step_with(&mut world, &(), &(), &mut turning);
+            }
+            let lost = turning.sides.unwrap().lost();
+            assert_eq!(lost, 0, "{name}, steps of {dt} s, friction {friction}");
+        }
+    }
 }
 
 /// Nodes aimed at the axis of a rod of 1 cm, square to it: what they keep of their speed they do not keep by going on.
