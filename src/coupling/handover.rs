@@ -269,10 +269,10 @@ pub fn after_step(
             }
         }
     }
-    let turned = end.torque.dot(end.w - wide(body.angvel()));
+    let turned = end.torque.dot(end.w - end.ahead.1 - wide(body.angvel()));
     let defect = |v: DVec3| 0.5 * (end.impulse.dot(v - wide(body.linvel())) + turned);
-    let free = defect(end.v - end.ahead);
-    if pending.answer == Answer::Free {
+    let free = defect(end.v - end.ahead.0);
+    if pending.answer == Answer::Free || end.lead.is_none() {
         return free;
     }
     // By what its shadow was ahead, contacts and joints of a body may have taken from it since, all or a part: that much is not known

@@ -3,12 +3,16 @@
 //! A motor is a spring and a damper towards a place and a velocity. Rapier takes its force at the end of each of its solver
 //! iterations, h_r s long, which gives it in the mean the place of ½·h_r later; so does this, in whatever substep. In one of
 //! h_r it is Rapier's own row. A limit lets the axis come as far as it reaches within the substep, and no farther.
+//!
+//! Locked axes of a soft joint are springs and dampers as well, though other ones than their frequency says, see [`Softness`].
 
 /// What a joint does along three axes, and about them.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Axes {
     /// Which displacements and turns are locked.
     pub locked: [bool; 6],
+    /// How these give way, if they do.
+    pub softness: Option<Softness>,
     /// Displacements that count as one, the distance; its limits and motor are those of the first of them.
     pub coupled: [bool; 3],
     /// Limits of those that are not locked \[m, rad\].
@@ -21,6 +25,46 @@ pub struct Axes {
     pub sweeps: i32,
     /// Damping of those that are not locked, apart from what motors do \[N·s/m\], \[N·m·s\].
     pub drag: [f64; 6],
+}
+
+/// How locked axes give way, by what they feel of the mass of the rigid bodies.
+///
+/// Rapier solves them twice in each of its iterations, h s long: with what takes back how far they are open, which moves the
+/// bodies, and again without, which leaves them their velocities. With γ = ω·(ω·h + 2ζ) and r = ω²·h/(1 + γ·h) the velocity v
+/// falls by 1/(1 + γ·h) in each, and the opening e drifts back by r·h·e besides: v̇ = a − γ·v and ė = v − r·e. So the opening is
+/// on a spring with a damper, ë = a − (γ + r)·ė − γ·r·e, which never swings and gives way by 1 + 1/(γ·h) times a/ω². The
+/// damping here is such that e falls by the factor 1 − r·h in a step of h s, as it does there. Without that second time the spring is
+/// the one that its frequency says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Softness {
+    /// \[1/s²\].
+    pub stiffness: f64,
+    /// \[1/s\].
+    pub damping: f64,
+    /// What share of the opening is taken back besides what Rapier's velocity tells \[1/s\].
+    pub drift: f64,
+}
+
+impl Softness {
+    /// That of a natural frequency ω in rad/s and a damping ratio ζ in iterations of h s, which take the axes up twice if Rapier
+    /// `relaxes` them.
+    pub fn new(omega: f64, ratio: f64, h: f64, relaxes: bool) -> Self {
+        let ratio = ratio.max(0.0);
+        if !relaxes {
+            return Self {
+                stiffness: omega * omega,
+                damping: 2.0 * ratio * omega,
+                drift: 0.0,
+            };
+        }
+        let taken = omega * (omega * h + 2.0 * ratio);
+        let drift = omega * omega * h / (1.0 + taken * h);
+        Self {
+            stiffness: taken * drift,
+            damping: taken * (1.0 - drift * h) + drift / (1.0 - drift * h),
+            drift,
+        }
+    }
 }
 
 /// What drives an axis; metres and newtons along it, or radians and newton metres about it.
@@ -184,6 +228,51 @@ mod tests {
         let (j, _) = Drive::new(Some(&SPRING), x, h, h).impulse(0.0, v, 1.0 / m);
         let after = v + j / m;
         assert!((j + h * (k * (x + h * after) + c * after)).abs() < 1e-12);
+    }
+
+    /// On an axis of 1 kg with a load that sets in: as Rapier's two passes leave it, in substeps of any length.
+    #[test]
+    fn a_soft_axis_gives_way_as_in_rapier() {
+        let (h, load) = (1e-3, 5.0);
+        for (frequency, ratio, relaxes, tolerance) in [
+            (20.0, 1.0, true, 0.01),
+            (60.0, 1.0, true, 0.01),
+            (60.0, 0.2, true, 0.03),
+            (300.0, 1.0, true, 0.05),
+            (60.0, 0.2, false, 0.1),
+        ] {
+            let omega = frequency * std::f64::consts::TAU;
+            let soft = Softness::new(omega, ratio, h, relaxes);
+            let sag = load / soft.stiffness;
+            let (bias, cfm) = (
+                omega / (h * omega + 2.0 * ratio),
+                1.0 / (h * omega * (h * omega + 2.0 * ratio)),
+            );
+            let (mut v, mut opened) = (0.0, 0.0);
+            let mut own = [(0.0, 0.0); 3];
+            for n in 0..2000 {
+                v += h * load;
+                let held = v - (v + bias * opened) / (1.0 + cfm);
+                opened += h * held;
+                v = if relaxes { v * cfm / (1.0 + cfm) } else { held };
+                for ((x, v), parts) in own.iter_mut().zip([1, 4, 20]) {
+                    let h_s = h / f64::from(parts);
+                    let pull = soft.stiffness * 0.5 * (h_s + h) + soft.damping;
+                    for _ in 0..parts {
+                        *v = (*v + h_s * (load - soft.stiffness * *x)) / (1.0 + h_s * pull);
+                        *x += h_s * *v;
+                    }
+                    let off = (*x - opened).abs() / sag;
+                    assert!(
+                        n < 3 || off < tolerance,
+                        "{frequency} {ratio}, {parts}: {off} in {n}"
+                    );
+                }
+            }
+            assert!((opened / sag - 1.0).abs() < 1e-6, "{opened} {sag}");
+            // What hangs still has a velocity in Rapier.
+            assert!((v - soft.drift * opened).abs() < 1e-6, "{v}");
+        }
     }
 
     #[test]

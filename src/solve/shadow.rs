@@ -40,8 +40,8 @@ pub struct Shadow {
     /// By how much its velocity stands before its position \[s\], see [`Self::synchronise`]: half of Rapier's solver iterations, 0 for
     /// what is led on a course; `None` for what is not free, is driven by a motor, or gets forces alone.
     pub lead: Option<f64>,
-    /// By how much its velocity is ahead of Rapier's because of that \[m/s\].
-    pub ahead: DVec3,
+    /// By how much its velocity and spin are ahead of Rapier's, because of that or of soft joints \[m/s\], \[rad/s\].
+    pub ahead: (DVec3, DVec3),
     /// Linear and angular damping \[1/s\].
     pub damping: (f64, f64),
     /// What it has taken of velocity and spin since the rigid step began \[m/s\], \[rad/s\].
@@ -96,7 +96,7 @@ impl Shadow {
         acceleration: DVec3::ZERO,
         spin_up: DVec3::ZERO,
         lead: None,
-        ahead: DVec3::ZERO,
+        ahead: (DVec3::ZERO, DVec3::ZERO),
         damping: (0.0, 0.0),
         damped: (DVec3::ZERO, DVec3::ZERO),
         late_torque: DVec3::ZERO,
@@ -201,8 +201,8 @@ impl Shadow {
     /// not velocity.
     pub fn synchronise(&mut self, h: f64) {
         if let Some(lead) = self.lead {
-            self.ahead = self.acceleration * (lead - 0.5 * h);
-            self.v += self.ahead;
+            self.ahead.0 = self.acceleration * (lead - 0.5 * h);
+            self.v += self.ahead.0;
             if !self.gives_way() {
                 self.w -= self.spin_up * (0.5 * h);
             }

@@ -35,9 +35,37 @@ impl Group {
             }
         }
         self.take_driven_as_they_are();
+        self.take_soft_joints_as_they_move();
     }
 
-    /// What a motor drives, and what is joined to that, may rest on the motor: gravity is not all that accelerates it, and
+    /// What hangs on soft joints begins with the velocities by which its places change, which are not those that Rapier tells.
+    fn take_soft_joints_as_they_move(&mut self) {
+        self.note_ahead(true);
+        for (touched, shadow) in self.touched.iter_mut().zip(&mut self.shadows[1..]) {
+            let (v, w) = std::mem::take(&mut shadow.ahead);
+            if (v, w) != Default::default() {
+                (shadow.v, shadow.w) = (shadow.v + v, shadow.w + w);
+                shadow.before = (shadow.v, shadow.w);
+                let start = &mut touched.start;
+                (start.v, start.w, start.before) = (shadow.v, shadow.w, shadow.before);
+            }
+        }
+    }
+
+    /// By how much shadows are ahead of Rapier's velocities because they hang on soft joints.
+    pub fn note_ahead(&mut self, told: bool) {
+        let joints = self.rows.joints.iter();
+        let ahead =
+            joints.filter_map(|row| Some((row.joint.shadows, row.ahead(&self.shadows, told)?)));
+        for (shadows, ahead) in ahead.collect::<Vec<_>>() {
+            for (shadow, (v, w)) in shadows.into_iter().zip(ahead) {
+                let ahead = &mut self.shadows[shadow as usize].ahead;
+                *ahead = (ahead.0 + v, ahead.1 + w);
+            }
+        }
+    }
+
+    /// What a motor drives, or a soft joint holds, and what is joined to that, may rest on this spring: gravity is not all that accelerates it, and
     /// half an iteration of gravity alone, see [`Shadow::synchronise`](crate::solve::shadow::Shadow::synchronise), would set
     /// it swinging by 5 mm/s in every step.
     fn take_driven_as_they_are(&mut self) {
@@ -47,7 +75,7 @@ impl Group {
             for row in &self.rows.joints {
                 let sides = row.joint.shadows.map(|i| i as usize);
                 let moves = |i: &usize| self.shadows[*i].gives_way();
-                if row.has_motor() || sides.iter().filter(|i| moves(i)).any(|i| driven[*i]) {
+                if row.is_spring() || sides.iter().filter(|i| moves(i)).any(|i| driven[*i]) {
                     for i in sides.into_iter().filter(moves) {
                         more |= !std::mem::replace(&mut driven[i], true);
                     }

@@ -1,15 +1,16 @@
-//! Joints that shadows can keep, as Rapier reads them: all but soft ones, and those whose turns about two axes count as one; and those of
-//! multibodies, but for kinematic ones and where there is more to these than joints have: springs, friction, armature, couplings.
+//! Joints that shadows can keep, as Rapier reads them: all but soft ones that have limits or hold links of multibodies, and those whose
+//! turns about two axes count as one; and those of multibodies, but for kinematic ones and where there is more to these than joints have: springs, friction, armature, couplings.
 
 use crate::contact::target::wide_rotation;
 use crate::coupling::observe::Surroundings;
-use crate::law::joint::{Axes, Motor};
+use crate::law::joint::{Axes, Motor, Softness};
 use crate::math::{DQuat, DVec3, wide};
 use rapier3d::dynamics::{
     GenericJoint, JointAxesMask, MotorModel, Multibody, MultibodyLink, RigidBody, RigidBodyHandle,
 };
 use rapier3d::math::Pose;
 use std::collections::BTreeSet;
+use std::f64::consts::TAU;
 
 /// A joint of two bodies as it stands now.
 #[derive(Clone, Copy, Debug)]
@@ -123,7 +124,7 @@ pub fn linkage(
             return None;
         }
         for (_, joint) in of(current, around) {
-            if !joint.reduced && !is_kept(joint.data, dt) {
+            if !joint.reduced && !is_kept(&joint, around, dt) {
                 return None;
             }
             for other in joint.bodies {
@@ -137,17 +138,27 @@ pub fn linkage(
     Some(found)
 }
 
-/// Whether shadows can keep a joint.
-fn is_kept(joint: &GenericJoint, dt: f64) -> bool {
+/// Whether shadows can keep a joint that is none of a multibody.
+fn is_kept(joint: &AnyJoint, around: &Surroundings, dt: f64) -> bool {
+    let on_link = holds_link(joint, around);
+    let joint = joint.data;
     let coupled = joint.coupled_axes & JointAxesMask::ANG_AXES;
     let cone = coupled.intersects(joint.limit_axes);
     let clash = joint.coupled_axes.intersects(joint.locked_axes);
-    !cone && !clash && !is_soft(joint, dt)
+    let limited = !(joint.limit_axes & !joint.locked_axes).is_empty();
+    !cone && !clash && !((limited || on_link) && is_soft(joint, dt))
 }
 
-/// Whether a joint gives way for longer than a step of `dt` s.
+/// Whether it holds a link of a multibody, which weighs what its own joints make of it.
+fn holds_link(joint: &AnyJoint, around: &Surroundings) -> bool {
+    let mut bodies = joint.bodies.iter();
+    bodies.any(|body| multibody_of(*body, around).is_some())
+}
+
+/// Whether a joint gives way for longer than a step of `dt` s. By a frequency of 0 Rapier holds velocities as hard as by none.
 pub fn is_soft(joint: &GenericJoint, dt: f64) -> bool {
-    f64::from(joint.softness.natural_frequency) * dt < 1.0
+    let per_step = f64::from(joint.softness.natural_frequency) * dt;
+    0.0 < per_step && per_step < 1.0
 }
 
 /// What the joint does to its bodies in a step of `dt` s.
@@ -205,6 +216,14 @@ pub fn held(joint: &AnyJoint, around: &Surroundings, dt: f64) -> Option<RigidJoi
     });
     let iterations = bodies.map(|b| b.additional_solver_iterations());
     let iterations = around.parameters.num_solver_iterations + iterations[0].max(iterations[1]);
+    let solver_step = dt / iterations.max(1) as f64;
+    let gives_way = !reduced && !holds_link(joint, around) && is_soft(data, solver_step);
+    let softness = gives_way.then(|| {
+        let spring = data.softness;
+        let relaxes = around.parameters.num_internal_stabilization_iterations > 0;
+        let omega = f64::from(spring.natural_frequency) * TAU;
+        Softness::new(omega, spring.damping_ratio.into(), solver_step, relaxes)
+    });
     let sweeps = around.parameters.num_internal_pgs_iterations
         + around.parameters.num_internal_stabilization_iterations;
     Some(RigidJoint {
@@ -213,10 +232,11 @@ pub fn held(joint: &AnyJoint, around: &Surroundings, dt: f64) -> Option<RigidJoi
         frames: [one, two],
         axes: Axes {
             locked: axes.map(|i| is_in(data.locked_axes, i)),
+            softness,
             coupled: [0, 1, 2].map(|i| is_in(coupled, i)),
             limits,
             motors,
-            solver_step: dt / iterations.max(1) as f64,
+            solver_step,
             sweeps: if reduced { i32::MAX } else { sweeps as i32 },
             drag,
         },

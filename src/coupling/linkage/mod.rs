@@ -6,7 +6,7 @@
 //! back where the body really went. The constraints are taken in one after the other, each by an update of rank one; a
 //! redundant one finds nothing left to do.
 //!
-//! Shadows keep most joints themselves, with their limits and motors. This is for bodies of which one has a soft joint, one with
+//! Shadows keep most joints themselves, with their limits and motors. This is for bodies of which one has a soft joint with limits, one with
 //! a limit of the turns about two axes together, or is a link of a multibody with more to it than joints have, which they can't.
 //!
 //! A rigid contact that presses counts as a joint too, and holds along the surface as long as it does not slide. That is

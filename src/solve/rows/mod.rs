@@ -143,9 +143,12 @@ impl Rows {
 
     /// Its contacts and joints of shadows, as prepared in the last substep: what answers otherwise is prepared anew.
     pub fn between_shadows(&self) -> BetweenShadows {
+        let mut joints = self.joints.clone();
+        joints.sort_by_key(JointRow::is_soft);
         BetweenShadows {
             contacts: self.rigid.clone(),
-            joints: self.joints.clone(),
+            stiff: joints.partition_point(|joint| !joint.is_soft()),
+            joints,
             answers: self.answers.clone(),
         }
     }
@@ -324,6 +327,8 @@ impl Rows {
 pub struct BetweenShadows {
     contacts: Vec<RigidRow>,
     joints: Vec<JointRow>,
+    /// How many of the joints are not soft: the first of them.
+    stiff: usize,
     answers: Answers,
 }
 
@@ -340,7 +345,7 @@ impl BetweenShadows {
     /// Joints have given nothing yet.
     pub fn restart_joints(&mut self) {
         for row in &mut self.joints {
-            row.impulses = Default::default();
+            row.restart();
         }
     }
 
@@ -355,9 +360,9 @@ impl BetweenShadows {
         }
     }
 
-    /// The same of the joints alone.
+    /// The same of those joints alone that pass on an impulse at once: soft ones take their time.
     pub fn solve_joints(&mut self, shadows: &mut [Shadow], limits: Limits) {
-        solve_in_passes(&mut [], &mut self.joints, shadows, limits);
+        solve_in_passes(&mut [], &mut self.joints[..self.stiff], shadows, limits);
     }
 }
 

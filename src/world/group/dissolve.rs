@@ -19,6 +19,7 @@ impl DeformableWorld {
     ) {
         group.shadows.iter_mut().for_each(Shadow::take_late);
         group.rows.spare_contacts(&mut group.shadows, dt);
+        group.note_ahead(false);
         group.release();
         group.follow();
         self.drowsy.extend(group.as_drowsy(dt, &self.params));

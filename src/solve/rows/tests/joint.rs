@@ -1,7 +1,7 @@
 //! Limits and motors of joints of shadows.
 
 use super::*;
-use crate::law::joint::{Axes, Motor};
+use crate::law::joint::{Axes, Motor, Softness};
 use crate::math::{DMat3, DQuat};
 use crate::solve::rows::{Joint, JointRow};
 
@@ -143,4 +143,50 @@ fn a_rope_holds_only_when_it_is_taut() {
         let outward = shadows[1].v.dot(DVec3::new(0.6, 0.8, 0.0));
         assert!((outward - left).abs() < 1e-9, "{at} {v}: {outward}");
     }
+}
+
+/// A body of 2 kg in a soft joint at its centre that 8 kg are tied to: it gives way to a force and a torque by what it weighs itself.
+#[test]
+fn a_soft_joint_is_as_stiff_as_its_rigid_bodies_are_heavy() {
+    let softness = Softness::new(100.0, 1.0, 1e-3, true);
+    let of = |mass: f64| Shadow {
+        inv_mass: DMat3::from_diagonal(DVec3::splat(1.0 / mass)),
+        inv_inertia: DMat3::from_diagonal(DVec3::splat(10.0 / mass)),
+        ..Shadow::FIXED
+    };
+    let mut shadows = [Shadow::FIXED, of(2.0)];
+    let joint = Joint {
+        shadows: [0, 1],
+        axes: Axes {
+            locked: [true; 6],
+            softness: Some(softness),
+            solver_step: 1e-3,
+            ..Axes::default()
+        },
+        ..Joint::default()
+    };
+    let mut row = JointRow::new(joint, [false; 6], &shadows);
+    assert!(row.is_soft() && row.is_spring());
+    shadows[1] = of(10.0);
+    for _ in 0..5000 {
+        shadows[1].take(DVec3::X * (30.0 * 1e-3), DVec3::Z * 1e-3);
+        row.start(&mut shadows, 1e-3);
+        row.solve(&mut shadows, 0.0);
+        assert!(!row.solve(&mut shadows, 1e-6), "solved at once");
+        shadows[1].advance(1e-3);
+    }
+    let Shadow { com, rot, .. } = shadows[1];
+    let (way, turn) = (com.x, rot.to_scaled_axis().z);
+    assert!(
+        (way - 30.0 / 2.0 / softness.stiffness).abs() < 1e-6 * way,
+        "{way} m"
+    );
+    assert!(
+        (turn - 1.0 * 5.0 / softness.stiffness).abs() < 1e-6 * turn,
+        "{turn}"
+    );
+    // Rapier's velocity is ahead by the drift.
+    let [_, (v, w)] = row.ahead(&shadows, false).unwrap();
+    assert!((v.x + softness.drift * way).abs() < 1e-6 && v.y.abs() < 1e-9);
+    assert!((w.z + softness.drift * turn).abs() < 1e-6);
 }

@@ -1,6 +1,7 @@
 //! Joints with limits, motors and springs take part between Rapier's steps: against the mechanics of what they hold.
 
 mod motors;
+mod soft;
 mod stops;
 mod swings;
 
