@@ -72,6 +72,7 @@ impl Advance {
             // what is left is a matter of a few substeps.
             let way = group.longest_way(self.dt, self.settings.near);
             let longest = group.longest_turn(self.dt).min(way);
+            let spins = 2.0 * group.fastest_spin().max(SLOW);
             let turns = (left / longest).ceil() as usize;
             let (needed, stale) = group_substeps(group, report, left, self.frame);
             let needed = needed.max(turns);
@@ -86,10 +87,7 @@ impl Advance {
             last = Some(h);
             let speeds = group.speeds();
             let (mut made, mut strained) = (0, 0.0);
-            while made < n
-                && (made == 0 || h <= 2.0 * group.longest_turn(self.dt))
-                && strained < STRAINED
-            {
+            while made < n && (made == 0 || group.fastest_spin() <= spins) && strained < STRAINED {
                 time += h;
                 parity = !parity;
                 made += 1;
@@ -129,6 +127,9 @@ const FEW_SUBSTEPS: usize = 4;
 /// turn twice as far until substeps are shortened for it.
 const TURN: f64 = 0.25;
 
+/// What turns at less than this is looked at again only once it turns at twice this \[rad/s\].
+const SLOW: f64 = 1.0;
+
 /// How far past its row a corner or an edge of what strikes a sheet may come within a substep, per width of that: a face of length L that
 /// is struck at v turns by v·h/L meanwhile, and moves by v·h. Without, of plates of 6 mm at 40 m/s a fifth went through.
 const THIN: f64 = 0.5;
@@ -147,13 +148,18 @@ const TET: usize = 15;
 impl Group {
     /// The longest substep in which nothing that it may touch turns too far, in a rigid step of `dt` s \[s\].
     fn longest_turn(&self, dt: f64) -> f64 {
+        (TURN / self.fastest_spin()).max(dt / MOST)
+    }
+
+    /// \[rad/s\].
+    fn fastest_spin(&self) -> f64 {
         let spins = self.shadows.iter().map(|shadow| shadow.w.length());
-        (TURN / spins.fold(0.0, f64::max)).max(dt / MOST)
+        spins.fold(0.0, f64::max)
     }
 
     /// The longest substep in a rigid step of `dt` s in which no face of a sheet turns so far, as a rigid body strikes it, that this comes
-    /// past it, see [`THIN`], and nothing that turns comes past what it strikes, see [`SWING`] \[s\]. A width of `near` m is as
-    /// good as any for that, and surfaces are held from the side where nodes were before.
+    /// past it, see [`THIN`], and nothing that turns comes past what it strikes, see [`SWING`] \[s\]. Wider than `near` m counts as that,
+    /// so that nothing is deeper inside; so does what has no width, and remembers on which side a node was.
     fn longest_way(&self, dt: f64, near: f64) -> f64 {
         let mut longest = f64::INFINITY;
         for (m, (_, body)) in self.members.iter().enumerate() {
@@ -162,23 +168,25 @@ impl Group {
             let mut own = None;
             for c in &self.candidates[m] {
                 let shadow = &self.shadows[c.target.shadow as usize];
-                let width = c
-                    .target
-                    .form
-                    .width()
-                    .map(|width| width + 2.0 * c.target.skin);
+                let width = c.target.form.width().map(|w| w + 2.0 * c.target.skin);
                 let folds = is_sheet && width.is_some_and(f64::is_finite);
                 let spin = shadow.w.length();
                 if !folds && spin == 0.0 {
                     continue;
                 }
                 let own = own.get_or_insert_with(|| body.stir());
-                let closing = own.most + own.closing(shadow);
+                let closing = own.closing(shadow);
                 if folds && let Some(width) = width {
-                    longest = longest.min((THIN * width * topology.spacing).sqrt() / closing);
+                    let way = (THIN * width * topology.spacing).sqrt();
+                    longest = longest.min(way / (own.most + closing));
                 }
-                let room = SWING * width.unwrap_or(near).min(near);
-                longest = longest.min((room / (spin * closing)).sqrt());
+                if spin > 0.0 {
+                    let width = width.filter(|w| *w > 0.0).unwrap_or(near).min(near);
+                    // No farther from its centre than it is large.
+                    let there = (shadow.v - own.mean).length() + spin * c.target.extent;
+                    let past = own.most + closing.min(there);
+                    longest = longest.min((SWING * width / (spin * past)).sqrt());
+                }
             }
         }
         longest.max(dt / MOST)

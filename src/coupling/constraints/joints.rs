@@ -155,10 +155,11 @@ fn holds_link(joint: &AnyJoint, around: &Surroundings) -> bool {
     bodies.any(|body| multibody_of(*body, around).is_some())
 }
 
-/// Whether a joint gives way for longer than a step of `dt` s. By a frequency of 0 Rapier holds velocities as hard as by none.
+/// Whether a joint gives way for longer than a step of `dt` s. By a frequency of 0, or endless damping, Rapier
+/// holds velocities as hard as by none.
 pub fn is_soft(joint: &GenericJoint, dt: f64) -> bool {
     let per_step = f64::from(joint.softness.natural_frequency) * dt;
-    0.0 < per_step && per_step < 1.0
+    0.0 < per_step && per_step < 1.0 && joint.softness.damping_ratio.is_finite()
 }
 
 /// What the joint does to its bodies in a step of `dt` s.

@@ -62,8 +62,9 @@ impl Softness {
     /// The mean force that presses a contact that is `depth` m deep no deeper than it may be in a step of `dt` s, per mass that the point
     /// feels \[N/kg\].
     pub fn bears(&self, depth: f64, dt: f64) -> f64 {
-        let depth = depth.clamp(0.0, self.sag);
-        self.stiffness * depth + self.damping * (self.sag - depth) / dt
+        let sag = self.sag.max(0.0);
+        let depth = depth.max(0.0).min(sag);
+        (self.stiffness * depth + self.damping * (sag - depth) / dt).max(0.0)
     }
 }
 

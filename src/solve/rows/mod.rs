@@ -10,6 +10,7 @@
 //! alone. Rows that share a node with rows on that node alone see what those make of it instead, see `squeeze`, and share the
 //! load of a body evenly, see `spread`.
 
+mod between;
 mod climb;
 mod composite;
 mod contact;
@@ -31,13 +32,13 @@ mod worklist;
 use crate::law::row::allowed_velocity;
 use crate::math::DVec3;
 use crate::solve::shadow::Shadow;
+pub use between::BetweenShadows;
 use climb::Attempt;
 use composite::Composites;
 pub use contact::Row;
 pub use joint::{Joint, JointRow};
+use rigid::Answers;
 pub use rigid::RigidRow;
-use rigid::{Answers, start_rigid};
-use settled::Settled;
 pub use settled::{Give, Negligible};
 use spread::Bearer;
 use squeeze::{Held, Squeeze};
@@ -143,14 +144,7 @@ impl Rows {
 
     /// Its contacts and joints of shadows, as prepared in the last substep: what answers otherwise is prepared anew.
     pub fn between_shadows(&self) -> BetweenShadows {
-        let mut joints = self.joints.clone();
-        joints.sort_by_key(JointRow::is_soft);
-        BetweenShadows {
-            contacts: self.rigid.clone(),
-            stiff: joints.partition_point(|joint| !joint.is_soft()),
-            joints,
-            answers: self.answers.clone(),
-        }
+        BetweenShadows::of(&self.rigid, &self.joints, &self.answers)
     }
 
     /// Forgets the rows of a substep, keeping the memory.
@@ -320,80 +314,6 @@ impl Rows {
     #[inline(always)]
     pub fn terms_of(&self, terms: Terms) -> &[Term] {
         &self.terms[terms.range()]
-    }
-}
-
-/// Contacts and joints of shadows alone, for a rehearsal of a rigid step.
-pub struct BetweenShadows {
-    contacts: Vec<RigidRow>,
-    joints: Vec<JointRow>,
-    /// How many of the joints are not soft: the first of them.
-    stiff: usize,
-    answers: Answers,
-}
-
-impl BetweenShadows {
-    /// Back to the start of the rigid step, where no row has given anything yet.
-    pub fn restart(&mut self) {
-        for row in &mut self.contacts {
-            (row.normal_impulse, row.friction_impulse) = Default::default();
-            row.gap = row.gap_at_start;
-        }
-        self.restart_joints();
-    }
-
-    /// Joints have given nothing yet.
-    pub fn restart_joints(&mut self) {
-        for row in &mut self.joints {
-            row.restart();
-        }
-    }
-
-    /// Solves a substep of h s in at most `passes` passes, until a pass changes no impulse by more than a share of
-    /// `tolerance`.
-    pub fn solve(&mut self, shadows: &mut [Shadow], limits: Limits) {
-        let (h, ..) = limits;
-        start_rigid(&mut self.contacts, shadows, h, &mut self.answers);
-        solve_in_passes(&mut self.contacts, &mut self.joints, shadows, limits);
-        for row in &mut self.contacts {
-            row.end(shadows, h);
-        }
-    }
-
-    /// The same of those joints alone that pass on an impulse at once: soft ones take their time.
-    pub fn solve_joints(&mut self, shadows: &mut [Shadow], limits: Limits) {
-        solve_in_passes(&mut [], &mut self.joints[..self.stiff], shadows, limits);
-    }
-}
-
-/// Length of a substep \[s\], most passes, and the share by which a pass changes impulses that are settled.
-type Limits = (f64, usize, f64);
-
-/// Solves these rows in passes, one after the other.
-fn solve_in_passes(
-    contacts: &mut [RigidRow],
-    joints: &mut [JointRow],
-    shadows: &mut [Shadow],
-    (h, passes, tolerance): Limits,
-) {
-    for row in &mut *joints {
-        row.start(shadows, h);
-    }
-    let settled = Settled {
-        tolerance,
-        ..Settled::default()
-    };
-    for _ in 0..passes {
-        let mut changed = false;
-        for row in &mut *contacts {
-            changed |= row.solve(shadows, settled);
-        }
-        for row in &mut *joints {
-            changed |= row.solve(shadows, tolerance);
-        }
-        if !changed {
-            break;
-        }
     }
 }
 

@@ -48,6 +48,9 @@ impl Rows {
             terms: &self.terms,
             levers: &self.levers,
         };
+        for row in &mut self.rigid {
+            row.approach(shadows, h);
+        }
         self.composites.start(&points, &mut self.ties, shadows);
         shadows.iter_mut().for_each(Shadow::take_late);
         self.fallen.clear();
@@ -114,6 +117,7 @@ impl Rows {
         for row in &mut self.rigid {
             row.end(shadows, h);
         }
+        self.joints.iter_mut().for_each(JointRow::end);
     }
 
     /// Ends a step of `dt` s of Rapier's: bodies get what its contacts can't bear.
@@ -308,7 +312,7 @@ impl Pass<'_> {
     }
 
     fn start_shadows(&mut self) {
-        start_rigid(self.rigid, self.shadows, self.h, self.answers);
+        start_rigid(self.rigid, self.shadows, self.answers);
         for row in &mut *self.joints {
             row.start(self.shadows, self.h);
         }

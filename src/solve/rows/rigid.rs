@@ -69,7 +69,7 @@ pub struct Made {
     mass: f64,
     /// Smallest relative normal velocity that is allowed in the substep \[m/s\].
     allowed: f64,
-    /// How fast the bodies come before anything presses on them, beyond what is allowed \[m/s\].
+    /// How fast the bodies come, beyond what is allowed, before anything presses or pulls on them \[m/s\].
     closing: f64,
     /// Velocity of the belt along the sides \[m/s\].
     belt: [f64; 2],
@@ -149,22 +149,14 @@ impl Answers {
     }
 }
 
-/// Starts a substep of h s: shadows get what the rows gave them in the last one, or that share of it which leads farthest
-/// down.
-pub(super) fn start_rigid(
-    rows: &mut [RigidRow],
-    shadows: &mut [Shadow],
-    h: f64,
-    answers: &mut Answers,
-) {
+/// Starts a substep: shadows get what the rows gave them in the last one, or that share of it which leads farthest down.
+pub(super) fn start_rigid(rows: &mut [RigidRow], shadows: &mut [Shadow], answers: &mut Answers) {
     let mut climb = Climb::default();
     answers.note(shadows);
     for row in &mut *rows {
         if !(row.made.is_ready && answers.are_same(row.shadows)) {
             row.prepare(shadows);
         }
-        row.made.allowed = allowed_velocity(-row.gap, h);
-        row.made.closing = (row.made.allowed - row.speed(shadows)).max(0.0);
         climb.slope += row.slope(shadows);
     }
     for row in &*rows {
@@ -181,6 +173,12 @@ pub(super) fn start_rigid(
 }
 
 impl RigidRow {
+    /// Sees what the bodies do by themselves in a substep of h s.
+    pub(super) fn approach(&mut self, shadows: &[Shadow], h: f64) {
+        self.made.allowed = allowed_velocity(-self.gap, h);
+        self.made.closing = (self.made.allowed - self.speed(shadows)).max(0.0);
+    }
+
     /// Along the normal and the sides \[N·s\].
     pub(super) fn impulse(&self) -> [f64; 3] {
         let [first, second] = self.friction_impulse;
@@ -275,6 +273,9 @@ impl RigidRow {
 
     /// Sums up what it bears of loads, less what stops bodies that come by themselves, without what is tied to them.
     fn book(&mut self, shadows: &[Shadow]) {
+        if self.normal_impulse <= 0.0 {
+            return;
+        }
         let response = |k: usize| {
             let shadow = &shadows[self.shadows[k] as usize];
             self.shares[k] * shadow.response(self.arms[k], self.normal)

@@ -10,6 +10,7 @@ use crumple::body::{Net, Node};
 use crumple::math::{DQuat, DVec3, wide};
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
+use std::collections::BTreeSet;
 
 /// How a target moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -186,10 +187,12 @@ fn ten_thousand_nodes_stay_on_their_side_of_each_plate() {
 struct Turning {
     spin: f64,
     sides: Option<Sides>,
+    struck: BTreeSet<NodeId>,
 }
 
 impl Observer for Turning {
     fn substep(&mut self, s: &Substep) {
+        self.struck.extend(s.node_impulses.iter().map(|n| n.node));
         let back = DQuat::from_rotation_x(-self.spin * s.time);
         let now = s.deformables[0].1.positions().map(|p| back * wide(p));
         let now: Vec<DVec3> = now.collect();
@@ -219,11 +222,13 @@ fn nodes_stay_on_their_side_of_what_turns_fast() {
             let mut turning = Turning {
                 spin: spin.into(),
                 sides: None,
+                struck: BTreeSet::new(),
             };
             for _ in 0..(0.15 / dt) as usize {
                 deformables.step_with(&mut world, &(), &(), &mut turning);
             }
-            let lost = turning.sides.unwrap().lost();
+            let (lost, struck) = (turning.sides.unwrap().lost(), turning.struck.len());
+            assert!(struck > 300, "{name}: {struck} of 500 struck");
             assert_eq!(lost, 0, "{name}, steps of {dt} s, friction {friction}");
         }
     }

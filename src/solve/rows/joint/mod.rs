@@ -57,8 +57,9 @@ pub struct JointRow {
     alone: Option<[(DMat3, DMat3); 2]>,
     /// What velocities impulses leave its locked axes because they are soft.
     softness: Mat6,
-    /// How it drifted in the last substep.
+    /// How it drifted in the last substep, and how it does in this one.
     drift: Option<Drift>,
+    drifts: Option<Drift>,
     /// Axes with limits or motors.
     driven: [Option<Driven>; 6],
     /// Which of them were at a limit in the last visit.
@@ -199,15 +200,21 @@ impl JointRow {
             velocities,
             impulses: factors.solve(&velocities),
         };
-        let last = self.drift.replace(drift)?;
+        self.drifts = Some(drift);
+        let last = self.drift?;
         let now = factors.solve(&last.velocities);
         Some([(last.place, last.impulses), (self.place, -now)])
+    }
+
+    /// Ends a substep, however often its rows were started and solved.
+    pub(super) fn end(&mut self) {
+        self.drift = self.drifts;
     }
 
     /// Back to where nothing is known of a substep before.
     pub(super) fn restart(&mut self) {
         self.impulses = Vec6::zeros();
-        self.drift = None;
+        (self.drift, self.drifts) = (None, None);
     }
 
     /// The axis with what drives it in a substep of h s, if anything does.

@@ -96,6 +96,7 @@ fn a_swing_on_a_soft_hinge_goes_as_on_a_hard_one() {
         assert!(soft.gain < 0.2, "{what}: {} J more", soft.gain);
         assert!(soft.heat < 0.05, "{what}: {} J of heat", soft.heat);
         assert!(soft.defect < 0.2, "{what}: a defect of {} J", soft.defect);
+        assert!(hard.quarters.len() > 1 && soft.quarters.len() == hard.quarters.len());
         for (soft, hard) in soft.quarters.iter().zip(&hard.quarters) {
             close(&what, *soft, *hard, 0.05);
         }
