@@ -191,6 +191,10 @@ struct Turning {
 }
 
 impl Observer for Turning {
+    fn wants_node_impulses(&self) -> bool {
+        true
+    }
+
     fn substep(&mut self, s: &Substep) {
         self.struck.extend(s.node_impulses.iter().map(|n| n.node));
         let back = DQuat::from_rotation_x(-self.spin * s.time);
