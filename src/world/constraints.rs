@@ -128,7 +128,7 @@ impl Group {
             belt: contact.belt,
             // A force for now, until the length of a substep is known.
             normal_impulse: contact.impulse / dt,
-            bears: contact.softness.bears(-gap, dt) / response,
+            bears: contact.spring.bears(-gap, dt) / response,
             ..RigidRow::default()
         };
         self.rows.rigid.push(row);

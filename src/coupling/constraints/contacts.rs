@@ -1,7 +1,7 @@
 //! The points of a pair.
 
 use super::pairs::{Pair, Side};
-use super::{RigidContact, Softness};
+use super::{ContactSpring, RigidContact};
 use crate::coupling::observe::Surroundings;
 use crate::math::{DVec3, Pose, Vector, wide};
 use rapier3d::dynamics::CoefficientCombineRule;
@@ -185,6 +185,6 @@ fn contact(pair: &Pair, around: &Surroundings) -> RigidContact {
         .into(),
         belt: DVec3::ZERO,
         impulse: 0.0,
-        softness: Softness::of(&softness, SAG * unit),
+        spring: ContactSpring::of(&softness, SAG * unit),
     }
 }

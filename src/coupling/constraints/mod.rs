@@ -35,12 +35,12 @@ pub struct RigidContact {
     /// Impulse along the normal in Rapier's last step \[N·s\].
     pub impulse: f64,
     /// How it gives way in Rapier.
-    pub softness: Softness,
+    pub spring: ContactSpring,
 }
 
 /// How Rapier's contacts give way: as springs and dampers that suit the masses of the bodies.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Softness {
+pub struct ContactSpring {
     /// How deep they may be pressed \[m\].
     sag: f64,
     /// Stiffness per mass that the point feels, ω² \[1/s²\].
@@ -49,7 +49,7 @@ pub struct Softness {
     damping: f64,
 }
 
-impl Softness {
+impl ContactSpring {
     fn of(spring: &SpringCoefficients<f32>, sag: f64) -> Self {
         let omega = f64::from(spring.angular_frequency());
         Self {

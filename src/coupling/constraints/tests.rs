@@ -59,3 +59,43 @@ fn no_point_of_a_pair_is_listed_twice() {
         );
     }
 }
+
+/// A ball that is pressed on the ground by what its contact bears in a step goes as deep as it may, or a little less: Rapier has it gain
+/// speed first.
+#[test]
+fn a_contact_gives_way_to_what_it_bears_by_what_it_may() {
+    for (mass, iterations) in [(0.2_f32, 4), (3.0, 16)] {
+        let mut world = PhysicsWorld {
+            gravity: Vector::ZERO,
+            ..PhysicsWorld::default()
+        };
+        world.integration_parameters.dt = 1.0 / 240.0;
+        world.integration_parameters.num_solver_iterations = iterations;
+        let ground = ColliderBuilder::cuboid(1.0, 0.1, 1.0).translation(Vector::Y * -0.1);
+        world.insert(RigidBodyBuilder::fixed(), ground);
+        let ball = ColliderBuilder::ball(0.1).density(0.0).mass(mass);
+        let at_rest = RigidBodyBuilder::dynamic().translation(Vector::Y * 0.1);
+        let (ball, _) = world.insert(at_rest, ball);
+        world.step();
+        let dt = f64::from(world.integration_parameters.dt);
+        let around = Surroundings::from(&world);
+        let found = RigidConstraints::gather([ball], &around, dt);
+        let bears = found.contacts[0].spring.bears(0.0, dt) * f64::from(mass);
+        world.bodies[ball].add_force(Vector::Y * -bears as f32, true);
+        world.step();
+        let depth = 0.1 - world.bodies[ball].translation().y;
+        assert!((4e-4..1e-3).contains(&depth), "{depth} m for {mass} kg");
+    }
+}
+
+/// No force pulls on contacts, whatever they are told to be.
+#[test]
+fn contacts_of_any_softness_bear_no_less_than_nothing() {
+    for (omega, ratio) in [(30.0, -5.0), (0.0, 0.0), (f32::INFINITY, 1.0)] {
+        let spring = SpringCoefficients::new(omega, ratio);
+        for sag in [-1.0, 0.0, 1e-3] {
+            let spring = ContactSpring::of(&spring, sag);
+            assert!(spring.bears(0.1, 0.01) >= 0.0 && spring.bears(-0.1, 0.01) >= 0.0);
+        }
+    }
+}
