@@ -8,7 +8,8 @@
 //! as its shadow has turned, and then its shadow's. A body with rigid contacts or joints gets it within the step, so that Rapier's
 //! own constraints can answer it: a part at the start or at the end, and the rest as a force, split so that it ends where its
 //! shadow is. (The mean force alone, which does not know when in the step the impulse came, lets a jointed pair leave a hard impact
-//! 3 % too slow.) A link of a multibody gets it all as a force, for impulses are lost on it. Where the shadow can't foresee the answer, it is the mean force, and the answer is measured.
+//! 3 % too slow.) A link of a multibody gets it all as a force, for impulses are lost on it. Where the shadow can't foresee the
+//! answer, it is the mean force, and the answer is measured.
 //!
 //! Rapier damps what a body has at the end of its step without the impulses still to come, which may be what bears its weight. So it gets
 //! that back, and what damping has taken of its shadow instead: a free body afterwards, one that has rigid contacts, or joints

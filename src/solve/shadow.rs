@@ -22,8 +22,8 @@ pub struct Shadow {
     pub w: DVec3,
     /// Velocities at the end of the last substep, for the trapezoid rule of work.
     pub before: (DVec3, DVec3),
-    /// Velocity by impulse \[1/kg\]: 1/m, while rows are solved that of what is tied to it too, less where joints hold, 0 where locked, fixed, kinematic or asleep; scaled by the
-    /// response ratio.
+    /// Velocity by impulse \[1/kg\]: 1/m, while rows are solved that of what is tied to it too, less where joints hold, 0 where locked,
+    /// fixed, kinematic or asleep; scaled by the response ratio.
     pub inv_mass: DMat3,
     /// Velocity by angular impulse, and transposed, spin by impulse \[1/(kg·m)\]: none without joints, scaled likewise.
     pub cross: Option<DMat3>,

@@ -151,7 +151,7 @@ impl Group {
         (TURN / self.fastest_spin()).max(dt / MOST)
     }
 
-    /// \[rad/s\].
+    /// How fast the rigid body turns that turns fastest \[rad/s\].
     fn fastest_spin(&self) -> f64 {
         let spins = self.shadows.iter().map(|shadow| shadow.w.length());
         spins.fold(0.0, f64::max)

@@ -65,8 +65,8 @@ impl Group {
         }
     }
 
-    /// What a motor drives, or a soft joint holds, and what is joined to that, may rest on this spring: gravity is not all that accelerates it, and
-    /// half an iteration of gravity alone, see [`Shadow::synchronise`](crate::solve::shadow::Shadow::synchronise), would set
+    /// What a motor drives, or a soft joint holds, and what is joined to that, may rest on this spring: gravity is not all that
+    /// accelerates it, and half an iteration of gravity alone, see [`Shadow::synchronise`](crate::solve::shadow::Shadow::synchronise), would set
     /// it swinging by 5 mm/s in every step.
     fn take_driven_as_they_are(&mut self) {
         let mut driven = vec![false; self.shadows.len()];

@@ -36,8 +36,8 @@ pub struct StepReport {
     pub broken_attachments: Vec<AttachmentHandle>,
     /// Contacts that began, were strong or ended, in the order of deformables and partners.
     pub events: Vec<TouchEvent>,
-    /// Work of deformables on the shadows minus that of the same impulses on the rigid bodies \[J\], beyond what can't be known: Rapier's velocities stand half a
-    /// solver iteration of gravity before its positions, but for what contacts and joints have taken of it.
+    /// Work of deformables on the shadows minus that of the same impulses on the rigid bodies \[J\], beyond what can't be known:
+    /// Rapier's velocities stand half a solver iteration of gravity before its positions, but for what contacts and joints have taken of it.
     pub coupling_defect: f64,
 }
 

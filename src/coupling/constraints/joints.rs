@@ -1,5 +1,6 @@
 //! Joints that shadows can keep, as Rapier reads them: all but soft ones that have limits or hold links of multibodies, and those whose
-//! turns about two axes count as one; and those of multibodies, but for kinematic ones and where there is more to these than joints have: springs, friction, armature, couplings.
+//! turns about two axes count as one; and those of multibodies, but for kinematic ones and where there is more to these than
+//! joints have: springs, friction, armature, couplings.
 
 use crate::contact::target::wide_rotation;
 use crate::coupling::observe::Surroundings;
