@@ -1,5 +1,6 @@
 //! Along which directions a corner or an edge can push, or be pushed: those that nothing of its surface goes.
 
+use super::beside::SAME;
 use super::distance::Solid;
 use super::site::Reach;
 use crate::math::DVec3;
@@ -141,11 +142,13 @@ impl Pushed {
         if upright(cone, normal).any(is_apart) {
             return true;
         }
-        // At a rim or a corner, one of its faces may look between the outermost directions.
+        // At a rim or a corner, one of its faces may look between the outermost directions. Another face than would push it may
+        // do so about: a sheet slopes up a little ahead of what it bears.
         let mut beside = false;
         solid.exits(place, &mut |height, n| {
+            let lean = if n.dot(normal) < SAME { LEAN } else { ROUNDING };
             beside |= height >= self.skin - reach.shallow()
-                && cone.iter().all(|c| c.dot(n) >= -ROUNDING)
+                && cone.iter().all(|c| c.dot(n) >= -lean)
                 && is_apart(n);
         });
         beside
@@ -254,6 +257,32 @@ mod tests {
         for turn in [DVec3::Z, -DVec3::Z, DVec3::X, -DVec3::X] {
             assert!(!at_turning(1.1, -1.0, 0.0, 0.01 * turn));
         }
+    }
+
+    /// A sheet is under a cube though it slopes up ahead of it; what is as far from flat before a wall is held by that.
+    #[test]
+    fn a_slope_is_under_a_cube_and_a_ripple_is_before_a_wall() {
+        let cube = Solid::of(&*SharedShape::cuboid(1.0, 1.0, 1.0)).unwrap();
+        let beside = |place: DVec3, cone: [DVec3; 4], way: f64| {
+            let pushed = Pushed {
+                place,
+                normal: DVec3::X,
+                depth: 1.0 - place.x,
+                skin: 0.0,
+                touched: false,
+            };
+            let way = |_| -DVec3::X * way;
+            pushed.lies_beside(&cube, &REACH, || cone.into_iter(), (way, DVec3::ZERO))
+        };
+        let sloping = |sine: f64| DVec3::new((1.0 - sine * sine).sqrt(), sine, 0.0);
+        let under = |sine| {
+            let cone = [sloping(sine), -DVec3::X, DVec3::Z, -DVec3::Z];
+            beside(DVec3::new(1.1, -1.00002, 0.0), cone, 0.2)
+        };
+        assert!(under(0.0) && under(0.05) && !under(0.2));
+        let ripple = DVec3::new(0.05, sloping(0.05).x, 0.0);
+        let before = [ripple, -ripple, DVec3::Z, -DVec3::Z];
+        assert!(!beside(DVec3::new(1.0002, 0.0, 0.0), before, 2.2e-4));
     }
 
     #[test]

@@ -22,6 +22,10 @@ const FINE_FOR: f64 = 0.5;
 /// the energies; the time itself would no longer grow by it.
 const SHORTEST: Real = 1e-9;
 
+/// The longest \[s\]. A program that was suspended and asks for the hours it has missed would compute for as long, a hundred
+/// thousand substeps a second.
+const LONGEST: Real = 10.0;
+
 impl DeformableWorld {
     /// Advances deformables and Rapier's world by `world.integration_parameters.dt`.
     pub fn step(&mut self, world: &mut PhysicsWorld) {
@@ -30,8 +34,8 @@ impl DeformableWorld {
 
     /// As [`Self::step`], with Rapier's hooks and events, and an observer that sees every substep.
     ///
-    /// dt = 0 applies changes made to Rapier's sets and moves nothing; a dt that is NaN, infinite, negative or else shorter
-    /// than a nanosecond does nothing at all and is reported, as are a gravity that is not finite and [`params`](Self::params) out of range.
+    /// dt = 0 applies changes made to Rapier's sets and moves nothing; a dt that is NaN, negative, longer than 10 s or else
+    /// shorter than a nanosecond does nothing at all and is reported, as are a gravity that is not finite and [`params`](Self::params) out of range.
     pub fn step_with(
         &mut self,
         world: &mut PhysicsWorld,
@@ -120,7 +124,7 @@ impl DeformableWorld {
     fn takes(&mut self, dt: f64, gravity: Vector) -> bool {
         self.report.clear();
         let report = &mut self.report;
-        let is_step = dt.is_finite() && (dt == 0.0 || dt >= f64::from(SHORTEST));
+        let is_step = dt == 0.0 || (f64::from(SHORTEST)..=f64::from(LONGEST)).contains(&dt);
         report.invalid_dt = (!is_step).then_some(dt);
         report.invalid_gravity = (!gravity.is_finite()).then_some(gravity);
         report.invalid_params = self.params.check().err();

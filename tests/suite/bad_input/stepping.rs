@@ -24,7 +24,14 @@ fn a_dt_that_is_none_changes_nothing() {
     }
     assert!(deformables[handle].add_step_force(NodeId(0), Vector::Y));
     let before = (bits(&world), deformables.state_hash(), deformables.time());
-    for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0 / 60.0] {
+    for bad in [
+        f32::NAN,
+        f32::INFINITY,
+        f32::NEG_INFINITY,
+        -1.0 / 60.0,
+        10.1,
+        1e4,
+    ] {
         world.integration_parameters.dt = bad;
         deformables.step(&mut world);
         let reported = deformables.report().invalid_dt.expect("must be reported");
