@@ -142,8 +142,8 @@ impl Pushed {
         if upright(cone, normal).any(is_apart) {
             return true;
         }
-        // At a rim or a corner, one of its faces may look between the outermost directions. Another face than would push it may
-        // do so about: a sheet slopes up a little ahead of what it bears.
+        // At a rim or a corner, one of its faces may look between the outermost directions. One that is not the face which would
+        // push may lean over them: a sheet slopes up a little ahead of what it bears.
         let mut beside = false;
         solid.exits(place, &mut |height, n| {
             let lean = if n.dot(normal) < SAME { LEAN } else { ROUNDING };

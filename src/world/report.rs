@@ -11,8 +11,7 @@ use rapier3d::geometry::ColliderHandle;
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct StepReport {
-    /// The step's dt if it was NaN, negative, longer than 10 s, or not 0 and shorter than a nanosecond: then nothing was done at
-    /// all.
+    /// The step's dt if it was NaN, negative, longer than 10 s, or not 0 and shorter than a nanosecond: then nothing was done.
     pub invalid_dt: Option<f64>,
     /// Rapier's gravity if it was not finite \[m/s²\]: then nothing was done at all.
     pub invalid_gravity: Option<Vector>,

@@ -22,8 +22,8 @@ const FINE_FOR: f64 = 0.5;
 /// the energies; the time itself would no longer grow by it.
 const SHORTEST: Real = 1e-9;
 
-/// The longest \[s\]. A program that was suspended and asks for the hours it has missed would compute for as long, a hundred
-/// thousand substeps a second.
+/// The longest \[s\]. A program that was suspended, and asks for the hours that it has missed at once, would stand still for as
+/// long.
 const LONGEST: Real = 10.0;
 
 impl DeformableWorld {
@@ -35,7 +35,8 @@ impl DeformableWorld {
     /// As [`Self::step`], with Rapier's hooks and events, and an observer that sees every substep.
     ///
     /// dt = 0 applies changes made to Rapier's sets and moves nothing; a dt that is NaN, negative, longer than 10 s or else
-    /// shorter than a nanosecond does nothing at all and is reported, as are a gravity that is not finite and [`params`](Self::params) out of range.
+    /// shorter than a nanosecond does nothing at all and is reported, as are a gravity that is not finite and
+    /// [`params`](Self::params) out of range.
     pub fn step_with(
         &mut self,
         world: &mut PhysicsWorld,

@@ -27,8 +27,8 @@ pub struct PairContact {
     pub peak_force: f64,
     /// Deepest penetration in any substep \[m\].
     pub depth: f64,
-    /// Where they touched, in the mean by impulse \[m\]. Round a pulley the moment of a contact is not that of the force here: sum
-    /// up those of the impulses of nodes, which an [`Observer`] gets.
+    /// Where they touched, in the mean by impulse \[m\]. The moment of a contact that goes round something is not that of its
+    /// force here: sum up those of the impulses of nodes, which an [`Observer`] gets.
     pub point: DVec3,
     /// Mean normal by impulse, out of the partner; zero if the parts of it cancel.
     pub normal: DVec3,

@@ -154,9 +154,10 @@ fn nothing_is_braked_by_the_cells_of_a_flat_sheet() {
     }
 }
 
-/// Symptom: a box of 2 kg that slid at 3 m/s and without friction over a taut sheet, which slopes up ahead of it by one or two degrees,
-/// ended with 2.4 m/s, or turned by half a radian, and with friction it tumbled. Cause: a node beside a corner of the box was taken to
-/// lie beside its lower face only where all of the sheet around it was as flat as rounding leaves it, and else ahead of its side.
+/// Symptom: a box of 2 kg that slid at 3 m/s without friction over a taut sheet, which slopes up ahead of it by one or two
+/// degrees, ended with 2.4 m/s, or turned by half a radian, and with friction it tumbled. Cause: a node beside a corner of the
+/// box was taken to lie beside its lower face only where all of the sheet around it was flat to a hundredth, and else ahead of
+/// its side.
 #[test]
 fn nothing_is_braked_by_the_cells_of_a_taut_sheet() {
     let half = 0.1_f32;
