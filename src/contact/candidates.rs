@@ -86,6 +86,14 @@ impl Candidates {
         self.frame = Some(now);
         self.target = target;
         self.pair = pair;
+        self.look_anew();
+    }
+
+    /// Has all be looked for in the next substep, as after anything that is not motion.
+    pub fn look_anew(&mut self) {
+        if let Some(features) = &mut self.features {
+            features.look_anew();
+        }
     }
 
     /// Forgets what touches and how far off things are.

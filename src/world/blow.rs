@@ -8,6 +8,7 @@
 
 use super::Deformable;
 use super::substep::{Group, Settings};
+use crate::contact::candidates::Candidates;
 use crate::contact::site::slot;
 use crate::math::DVec3;
 use crate::solve::rows::{Row, Rows, Term};
@@ -67,8 +68,10 @@ impl Group {
         }
     }
 
-    /// Forgets the rows of the substep, and which nodes have any.
+    /// Forgets the rows of the substep, and which nodes have any: all is looked for anew.
     fn forget_rows(&mut self) {
+        let candidates = self.candidates.iter_mut().flatten();
+        candidates.for_each(Candidates::look_anew);
         for node in &self.rows.nodes {
             self.members[node.body as usize].1.slots[node.node as usize] = u32::MAX;
         }

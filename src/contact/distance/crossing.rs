@@ -22,6 +22,9 @@ pub struct Crossing {
     pub distance: f64,
 }
 
+/// The ends of an edge \[m\] and the outward unit normals of its faces.
+pub type StraightEdge = ([DVec3; 2], [DVec3; 2]);
+
 /// How far a normal may lie outside the faces at an edge: a segment that rests on one of them rocks a little.
 const LEAN: f64 = 0.05;
 
@@ -83,6 +86,39 @@ impl Solid {
             | Core::Compound(_)
             | Core::Voxels(_) => {}
         }
+    }
+
+    /// A straight edge by its number, as [`Self::for_each_crossing`] counts them: its ends \[m\] and the outward normals of its faces.
+    pub fn straight_edge(&self, number: u32) -> Option<StraightEdge> {
+        match &self.core {
+            Core::Cuboid(half) => (number < 12).then(|| cuboid_edge(number as usize, *half)),
+            Core::Hull(hull) => {
+                let (mut i, mut edge) = (0, None);
+                hull.for_each_edge(&mut |ends, normals| {
+                    if i == number {
+                        edge = Some((ends, normals));
+                    }
+                    i += 1;
+                });
+                edge
+            }
+            _ => None,
+        }
+    }
+
+    /// The crossing of the segment `a`–`b` \[m\] with one of its straight edges.
+    pub fn crossing(
+        &self,
+        [a, b]: [DVec3; 2],
+        (edge, (ends, normals)): (u32, StraightEdge),
+    ) -> Option<Crossing> {
+        let (t, normal, distance) = cross([a, b], ends, normals)?;
+        Some(Crossing {
+            edge,
+            t,
+            normal,
+            distance: distance - self.radius,
+        })
     }
 
     /// Calls `found` for the crossings of the segment `a`–`b` \[m\] with the corners of a grown polyhedron, which are balls as

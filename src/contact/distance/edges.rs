@@ -62,6 +62,11 @@ impl Solid {
         }
     }
 
+    /// Whether it is a box or a polyhedron that is not grown: its corners and edges are in the same places however it is looked at.
+    pub fn is_sharp(&self) -> bool {
+        self.radius <= 0.0 && matches!(self.core, Core::Cuboid(_) | Core::Hull(_))
+    }
+
     /// Whether a solid has lines that [`Self::for_each_line`] tells.
     pub fn has_lines(&self) -> bool {
         matches!(

@@ -27,7 +27,7 @@ mod way;
 use crate::body::Surface;
 use crate::math::{DQuat, DVec3, wide};
 use compound::Compound;
-pub use crossing::Crossing;
+pub use crossing::{Crossing, StraightEdge};
 use hull::Hull;
 use quickhull::Outline;
 use rapier3d::geometry::{Shape, TriMesh, TypedShape};

@@ -1,9 +1,11 @@
 //! Faces and edges of one body against the convex parts of a solid.
 
 use super::bulge::{self, Ridge};
+use super::convex_edges::SeenEdge;
 use super::making::{Lie, Making, Met};
 use super::part::{Convex, Part};
 use super::patch::{Foot, Patch};
+use super::recall::Recall;
 use crate::contact::closest::bounds;
 use crate::contact::cone::can_push;
 use crate::contact::distance::Solid;
@@ -27,6 +29,42 @@ pub struct ConvexFeatures {
     met: Vec<Met>,
     pub(super) on_faces: Touches,
     pub(super) on_edges: Touches,
+    seen_faces: Recall<SeenPoint>,
+    seen_edges: Recall<SeenEdge>,
+}
+
+/// What is looked at.
+pub(super) struct Look<'a> {
+    pub target: &'a Target,
+    pub pair: u32,
+    /// The collider's frame.
+    pub collider: &'a Frame,
+    /// How far off anything may be and still matter \[m\].
+    pub near: f64,
+}
+
+impl Look<'_> {
+    /// What makes the rows of a part.
+    pub fn making<'a, 's>(
+        &'a self,
+        part: &Convex,
+        site: &'a mut Site<'s>,
+        touches: &'a mut Touches,
+    ) -> Making<'a, 's> {
+        let frame = part.frame(self.collider);
+        Making {
+            target: self.target,
+            pair: self.pair,
+            frame,
+            skin: self.target.skin,
+            roll: Roll::of(&part.solid, &frame, site.shadow),
+            radius: part.solid.edge_radius(),
+            site,
+            touches,
+            near: self.near,
+            deep: false,
+        }
+    }
 }
 
 impl ConvexFeatures {
@@ -48,6 +86,8 @@ impl ConvexFeatures {
             met: Vec::new(),
             on_faces: Touches::default(),
             on_edges: Touches::default(),
+            seen_faces: Recall::default(),
+            seen_edges: Recall::default(),
         })
     }
 
@@ -56,6 +96,13 @@ impl ConvexFeatures {
         self.parts.iter_mut().for_each(Part::reset);
         self.on_faces.forget();
         self.on_edges.forget();
+        self.look_anew();
+    }
+
+    /// Has all be looked at anew in the next substep.
+    pub fn look_anew(&mut self) {
+        self.seen_faces.forget();
+        self.seen_edges.forget();
     }
 
     /// Remembers what touches, after the rows have been solved.
@@ -75,76 +122,90 @@ impl ConvexFeatures {
     ) {
         self.on_faces.begin();
         self.on_edges.begin();
-        let near = target.skin + site.reach.farthest;
+        self.seen_faces.begin(&site.reach);
+        self.seen_edges.begin(&site.reach);
+        let look = &Look {
+            target,
+            pair,
+            collider,
+            near: target.skin + site.reach.farthest,
+        };
         let mut bounds = None;
         for part in &mut self.parts {
             let mut bounds = || *bounds.get_or_insert_with(|| site.side.bounds(collider));
-            part.awake(&mut bounds, way, near);
+            part.awake(&mut bounds, way, look.near);
         }
-        for (p, part) in (0..)
-            .zip(&mut self.parts)
-            .filter(|(_, part)| part.is_awake())
-        {
+        self.look_at_faces(look, site, way);
+        self.look_at_edges(look, site, way);
+    }
+
+    fn look_at_faces(&mut self, look: &Look, site: &mut Site, way: f64) {
+        let Self {
+            parts,
+            points,
+            met,
+            on_faces,
+            seen_faces: seen,
+            ..
+        } = self;
+        let awake = |(_, part): &(u32, &mut Part)| part.is_awake();
+        for (p, part) in (0..).zip(parts).filter(awake) {
             let convex = &part.convex;
-            let frame = convex.frame(collider);
-            let mut making = Making {
-                target,
-                pair,
-                frame,
-                skin: target.skin,
-                roll: Roll::of(&convex.solid, &frame, site.shadow),
-                radius: convex.solid.edge_radius(),
-                site,
-                touches: &mut self.on_faces,
-                near,
-                deep: false,
-            };
+            let mut making = look.making(convex, site, on_faces);
             let count = making.site.side.topology.faces.len();
-            let (points, met) = (&mut self.points, &mut self.met);
-            let mut look = |making: &mut Making, met: &mut Vec<Met>| {
-                met.clear();
-                let reach = (making.near, near);
-                part.faces.visit(count, way, reach, |f, bound| {
-                    making.meet(convex, (p, f), bound, points, met)
-                });
-                met.sort_unstable_by_key(|m| (m.point, m.face));
-            };
-            look(&mut making, met);
+            let mut look_at_all =
+                |making: &mut Making, met: &mut Vec<Met>, seen: &mut Recall<_>| {
+                    met.clear();
+                    let reach = (making.near, look.near);
+                    part.faces.visit(count, way, reach, |f, bound| {
+                        making.meet(convex, (p, f, bound), seen, points, met)
+                    });
+                    met.sort_unstable_by_key(|m| (m.point, m.face));
+                };
+            look_at_all(&mut making, met, seen);
             if making.misses_some(p, met) {
                 // A point that was known may have come deep under another face.
-                making.near = near.max(making.deepest_point());
+                making.near = look.near.max(making.deepest_point());
                 making.deep = true;
-                look(&mut making, met);
+                seen.forget();
+                look_at_all(&mut making, met, seen);
+                seen.forget();
             }
             for met in met.chunk_by_mut(|a, b| a.point == b.point) {
                 making.point(p, met, convex.solid.has_rim());
             }
         }
-        for (p, part) in (0..)
-            .zip(&mut self.parts)
-            .filter(|(_, part)| part.is_awake())
-        {
+    }
+
+    fn look_at_edges(&mut self, look: &Look, site: &mut Site, way: f64) {
+        let Self {
+            parts,
+            on_edges,
+            seen_edges: seen,
+            ..
+        } = self;
+        let awake = |(_, part): &(u32, &mut Part)| part.is_awake();
+        for (p, part) in (0..).zip(parts).filter(awake) {
             let convex = &part.convex;
-            let frame = convex.frame(collider);
-            let mut making = Making {
-                target,
-                pair,
-                frame,
-                skin: target.skin,
-                roll: Roll::of(&convex.solid, &frame, site.shadow),
-                radius: convex.solid.edge_radius(),
-                site,
-                touches: &mut self.on_edges,
-                near,
-                deep: false,
-            };
+            let mut making = look.making(convex, site, on_edges);
             let count = making.site.side.topology.edges.len();
-            let reach = (near, near);
+            let reach = (look.near, look.near);
             part.edges.visit(count, way, reach, |e, bound| {
-                making.edge(convex, [p, e], bound)
+                making.edge(convex, ([p, e], bound), seen)
             });
         }
     }
+}
+
+/// A point of a part that meets a face.
+#[derive(Clone, Copy, Debug)]
+struct SeenPoint {
+    point: u32,
+    /// In the frame of the part \[m\].
+    place: DVec3,
+    lie: Lie,
+    /// On which side of the face it is: 1 on that of its normal, −1 on the other.
+    side: f64,
 }
 
 impl Making<'_, '_> {
@@ -153,18 +214,81 @@ impl Making<'_, '_> {
     fn meet(
         &self,
         part: &Convex,
-        (p, f): (u32, u32),
-        bound: f64,
+        (p, f, bound): (u32, u32, f64),
+        seen: &mut Recall<SeenPoint>,
         points: &mut Vec<DVec3>,
         met: &mut Vec<Met>,
     ) -> f64 {
-        let topology = self.site.side.topology;
-        let nodes = topology.faces[f as usize].nodes();
+        let nodes = self.site.side.topology.faces[f as usize].nodes();
         let patch = Patch::new(self.corners(nodes));
-        let off = Off::of(part, &patch, topology.spacing);
+        if let Some(apart) = self.meet_again(part, [p, f], &patch, seen, met) {
+            return apart;
+        }
+        let before = met.len();
+        let apart = self.meet_anew(part, (p, f, bound), (nodes, &patch), points, met);
+        let found = &met[before..];
+        // Points of what is round, or where a face bulges, are others in every substep.
+        let stays = |m: &Met| part.solid.is_sharp() && (m.point as usize) < points.len();
+        if found.iter().all(stays)
+            && let Some(n) = patch.normal()
+        {
+            let point = |m: &Met| SeenPoint {
+                point: m.point,
+                place: m.place,
+                lie: m.lie,
+                side: -1.0_f64.copysign(m.normal.dot(n)),
+            };
+            seen.note([p, f], patch.corners(), apart, found.iter().map(point));
+        }
+        apart
+    }
+
+    /// The points that a face which has not moved has met before; `None` where it must be looked at anew.
+    fn meet_again(
+        &self,
+        part: &Convex,
+        key: [u32; 2],
+        patch: &Patch,
+        seen: &mut Recall<SeenPoint>,
+        met: &mut Vec<Met>,
+    ) -> Option<f64> {
+        let (apart, points) = seen.of(key, patch.corners())?;
+        let [p, f] = key;
+        let before = met.len();
+        for seen in points {
+            let found = || {
+                let (lie, foot) = self.foot(patch, seen.place)?;
+                let at = (lie, &foot, foot.normal * seen.side);
+                let point = (seen.point, seen.place);
+                let mut found = self.over(point, (f, patch), at, self.deepest_point())?;
+                found.cuts = self.is_cut(part, p, patch, &found);
+                (lie == seen.lie).then_some(found)
+            };
+            let Some(found) = found() else {
+                met.truncate(before);
+                return None;
+            };
+            met.push(found);
+        }
+        seen.go_on();
+        Some(apart)
+    }
+
+    fn meet_anew(
+        &self,
+        part: &Convex,
+        (p, f, bound): (u32, u32, f64),
+        (nodes, patch): (&[u32], &Patch),
+        points: &mut Vec<DVec3>,
+        met: &mut Vec<Met>,
+    ) -> f64 {
+        points.clear();
+        let topology = self.site.side.topology;
+        let off = Off::of(part, patch, topology.spacing);
         let apart = off.apart.max(bound);
+        let beyond = apart > self.near || apart > self.reach(nodes, patch.corners());
         let knows = self.touches.knows_last(p, f);
-        if !knows && (apart > self.near || apart > self.reach(nodes, patch.corners())) {
+        if beyond && !knows {
             return apart;
         }
         let (middle, radius) = patch.ball();
@@ -176,23 +300,22 @@ impl Making<'_, '_> {
             return apart;
         };
         let bulges = off.flat_for <= 0.0;
-        let ridge = |n| bulges.then(|| Ridge::of(&patch, n, topology.spacing))?;
+        let ridge = |n| bulges.then(|| Ridge::of(patch, n, topology.spacing))?;
         if off.points > self.near && !knows && ridge(n).is_none() {
             return apart;
         }
-        let known = self.side(part, p, (nodes, &patch, n));
+        let known = self.side(part, p, (nodes, patch, n));
         if known.unwrap_or_else(|| (part.centre - middle).dot(n)) < 0.0 {
             if topology.closed {
                 return apart;
             }
             n = -n;
         }
-        points.clear();
         part.solid.feature_points(n, points);
         let facing = Facing {
             part,
             key: [p, f],
-            patch: &patch,
+            patch,
             around: (middle, radius + self.near.max(self.deepest_point())),
             normal: n,
             told: known.is_some() || topology.closed,
@@ -262,13 +385,18 @@ impl Making<'_, '_> {
         }
         let at = (lie, &foot, outward);
         let mut found = self.over((i, point), (f, patch), at, self.deepest_point())?;
-        // What touched a sheet that lies between one of its points and its middle has been cut by that since, whichever way that came there.
-        found.cuts = !self.site.side.topology.closed
-            && lie == Lie::Over
-            && found.is_deep()
-            && self.touches.known(p).next().is_some()
-            && patch.is_between(point, facing.part.centre);
+        found.cuts = self.is_cut(facing.part, p, patch, &found);
         (!self.is_internal_corner(facing.part, point, -n)).then_some(found)
+    }
+
+    /// Whether the part is cut by a face of a sheet that lies between one of its points and its middle: what touched that has come there
+    /// since, whichever way.
+    fn is_cut(&self, part: &Convex, p: u32, patch: &Patch, met: &Met) -> bool {
+        !self.site.side.topology.closed
+            && met.lie == Lie::Over
+            && met.is_deep()
+            && self.touches.known(p).next().is_some()
+            && patch.is_between(met.place, part.centre)
     }
 
     /// Where a ball about a place of a part, from which that is grown, touches a twisted face, the foot there and the normal towards it: not

@@ -17,11 +17,13 @@ pub(super) struct Met {
     pub face: u32,
     weights: [f64; 4],
     patch: Patch,
-    normal: DVec3,
+    /// Where the point is \[m\].
+    pub place: DVec3,
+    pub normal: DVec3,
     depth: f64,
     /// How much deeper it is than what may have come from outside within the substep \[m\].
     excess: f64,
-    lie: Lie,
+    pub lie: Lie,
     /// Whether what the point belongs to is cut by the face.
     pub cuts: bool,
     /// Whether the point gets a row for this face.
@@ -160,6 +162,7 @@ impl Making<'_, '_> {
             face,
             weights: foot.weights,
             patch: *patch,
+            place: point,
             normal: -outward,
             depth,
             excess: depth - come,

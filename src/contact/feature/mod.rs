@@ -14,6 +14,7 @@ mod making;
 mod meet;
 mod part;
 mod patch;
+mod recall;
 #[cfg(feature = "serde-serialize")]
 mod saved;
 mod sharp;
@@ -62,6 +63,13 @@ impl Features {
         match self {
             Self::Convex(features) => features.forget(),
             Self::Sharp(features) => features.forget(),
+        }
+    }
+
+    /// Has all be looked for in the next substep, as after anything that is not motion.
+    pub fn look_anew(&mut self) {
+        if let Self::Convex(features) = self {
+            features.look_anew();
         }
     }
 
