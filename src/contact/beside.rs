@@ -2,16 +2,18 @@
 //! a way out of one that ends in the next is none.
 
 use super::candidates::Candidates;
-use super::distance::Solid;
 use super::form::Form;
 use super::target::Frame;
 use crate::math::DVec3;
+use crate::solve::shadow::Shadow;
 
 /// The other targets of a body.
 #[derive(Clone, Copy)]
 pub struct Beside<'a> {
     /// Those before and behind the one in question.
     pub others: [&'a [Candidates]; 2],
+    /// The shadows of the group.
+    pub shadows: &'a [Shadow],
     /// Distance that counts as touching \[m\].
     pub touching: f64,
 }
@@ -20,6 +22,16 @@ impl Beside<'_> {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.others.iter().all(|list| list.is_empty())
+    }
+
+    /// Whether they are all farther than `far` m from a point of a frame, as far as balls around them tell.
+    pub fn is_far(&self, frame: &Frame, point: DVec3, far: f64) -> bool {
+        let point = frame.position + frame.axes * point;
+        let mut others = self.others.into_iter().flatten();
+        others.all(|other| {
+            let middle = other.frame().map(|frame| frame.position);
+            middle.is_none_or(|middle| middle.distance(point) > other.target.extent + far)
+        })
     }
 
     /// How far a point of a frame is from the nearest other solid, negative inside, or `most` if that is less \[m\].
@@ -39,6 +51,40 @@ impl Beside<'_> {
         })
     }
 
+    /// What is left of a way of a point of a frame over `time` s \[m\] where others hold it that it comes to and that are nearer than `most` m,
+    /// less what is kept from them; `None` if there are none. The frame moves with `shadow`.
+    pub fn held(
+        &self,
+        (frame, shadow): (&Frame, &Shadow),
+        point: DVec3,
+        (mut way, time): (DVec3, f64),
+        most: f64,
+    ) -> Option<DVec3> {
+        let mut is_held = false;
+        let place = frame.position + frame.axes * point;
+        let velocity = |of: &Shadow| of.velocity_at(place - of.com);
+        for other in self.others.into_iter().flatten() {
+            let (Form::Solid(solid), Some(its)) = (&other.target.form, other.frame()) else {
+                continue;
+            };
+            let (offset, skin) = (place - its.position, other.target.skin);
+            if offset.length() - other.target.extent - skin >= most {
+                continue;
+            }
+            let (distance, normal) = solid.signed_distance(its.axes.transpose() * offset);
+            let normal = its.axes * normal;
+            let comes = velocity(&self.shadows[other.target.shadow as usize]) - velocity(shadow);
+            let comes = comes.dot(normal) * time;
+            let normal = frame.axes.transpose() * normal;
+            let (gap, along) = (distance - skin, way.dot(normal) - comes);
+            if gap < most && gap + along <= self.touching {
+                way -= normal * (along + gap.max(0.0)).min(0.0);
+                is_held = true;
+            }
+        }
+        is_held.then_some(way)
+    }
+
     /// How far off all others a way out of a solid ends, from a place at this height over a face with this normal \[m\]. It ends as much
     /// outside as counts as touching, and more than that is not told.
     pub fn room(&self, frame: &Frame, place: DVec3, (height, normal): (f64, DVec3)) -> f64 {
@@ -49,21 +95,6 @@ impl Beside<'_> {
     /// Whether that way ends in another solid, or on its surface: what lies there is no face of both together.
     pub fn hides(&self, frame: &Frame, place: DVec3, way: (f64, DVec3)) -> bool {
         self.room(frame, place, way) < 0.5 * self.touching
-    }
-
-    /// Whether a place on an edge or a corner of a solid can't be touched along a normal: others go on there, flush with a face
-    /// beside it, which can.
-    pub fn goes_on(&self, solid: &Solid, frame: &Frame, place: DVec3, normal: DVec3) -> bool {
-        if !self.hides(frame, place, (0.0, normal)) {
-            return false;
-        }
-        let mut is_face = false;
-        solid.exits(place, &mut |height, face| {
-            is_face |= height > -self.touching
-                && face.dot(normal) < SAME
-                && !self.hides(frame, place, (height, face));
-        });
-        is_face
     }
 }
 

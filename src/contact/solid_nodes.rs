@@ -236,14 +236,18 @@ impl Making<'_, '_> {
         if length <= 0.0 || length.is_nan() {
             return false;
         }
-        let way = motion * (20.0 * touching / length).max(1.0);
+        let longer = (20.0 * touching / length).max(1.0);
+        let way = motion * longer;
         let closing = -way.dot(normal);
         if gap > closing {
             return false;
         }
-        let (nearest, there) = solid.nearest_on_path(place, place + way);
+        // What is nearer holds it before it can come here.
+        let whole = (way, longer * site.reach.h);
+        let held = site.beside.held((frame, site.shadow), place, whole, gap);
+        let (nearest, there) = solid.nearest_on_path(place, place + held.unwrap_or(way));
         let nearest = nearest - target.skin;
-        if nearest > slack {
+        if nearest > slack || (held.is_some() && nearest > -touching) {
             return true;
         }
         if nearest <= -touching || there.dot(normal) >= SAME {

@@ -217,6 +217,7 @@ impl Group {
                     reach,
                     beside: Beside {
                         others: [before, after],
+                        shadows: &self.shadows,
                         touching: s.touching,
                     },
                 };

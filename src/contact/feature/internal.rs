@@ -7,6 +7,7 @@
 use super::making::Making;
 use super::part::Convex;
 use super::sharp::GENTLE;
+use crate::contact::beside::SAME;
 use crate::contact::distance::{Crossing, Solid};
 use crate::contact::form::Form;
 use crate::math::DVec3;
@@ -22,10 +23,10 @@ impl Making<'_, '_> {
     /// Whether the place where an edge crosses one of the part is on no edge of the whole: beside it, along what crosses it there,
     /// another part goes on at the same height or rises.
     pub(super) fn is_internal_edge(&self, part: &Convex, [a, b]: [DVec3; 2], c: &Crossing) -> bool {
-        if self.is_alone() {
+        let place = a.lerp(b, c.t) - c.normal * c.distance;
+        if self.is_alone(place) {
             return false;
         }
-        let place = a.lerp(b, c.t) - c.normal * c.distance;
         let across = (b - a).normalize_or_zero();
         let goes_on = |to| self.beside(part, place, [to, c.normal]) == Some(false);
         [across, -across].into_iter().any(goes_on) || self.is_joint(part, place, c.normal)
@@ -33,7 +34,7 @@ impl Making<'_, '_> {
 
     /// Whether a corner of the part is none of the whole: other parts go on where its own does not, all around.
     pub(super) fn is_internal_corner(&self, part: &Convex, corner: DVec3, normal: DVec3) -> bool {
-        if self.is_alone() {
+        if self.is_alone(corner) {
             return false;
         }
         if self.is_joint(part, corner, normal) {
@@ -67,10 +68,25 @@ impl Making<'_, '_> {
         goes_on.then_some(false)
     }
 
-    /// Whether another collider goes on from a place on an edge or a corner of the part.
+    /// Whether a place on an edge or a corner of the part can't be touched along a normal: another part or collider goes on there, flush with
+    /// a face beside it, which can.
     fn is_joint(&self, part: &Convex, place: DVec3, normal: DVec3) -> bool {
-        let beside = &self.site.beside;
-        beside.goes_on(&part.solid, &self.frame, place, normal)
+        let touching = self.site.reach.touching;
+        let is_hidden = |height: f64, normal: DVec3| {
+            let end = place + normal * (touching - height);
+            let others = self.site.beside.distance(&self.frame, end, touching);
+            let whole = self.compound();
+            let whole = whole.map_or(touching, |w| w.signed_distance(part.to_collider(end)).0);
+            others.min(whole) < 0.5 * touching
+        };
+        let mut is_face = false;
+        if is_hidden(0.0, normal) {
+            part.solid.exits(place, &mut |height, face| {
+                is_face |=
+                    height > -touching && face.dot(normal) < SAME && !is_hidden(height, face);
+            });
+        }
+        is_face
     }
 
     /// Whether a place is inside another collider.
@@ -78,9 +94,10 @@ impl Making<'_, '_> {
         self.site.beside.distance(&self.frame, place, 0.0) < 0.0
     }
 
-    /// Whether the part is no part of a compound, and nothing else can be touched.
-    fn is_alone(&self) -> bool {
-        self.compound().is_none() && self.site.beside.is_empty()
+    /// Whether the part is no part of a compound, and nothing else is near a place, so that no seam is.
+    fn is_alone(&self, place: DVec3) -> bool {
+        let far = (BESIDE + 2.0) * self.site.reach.touching;
+        self.compound().is_none() && self.site.beside.is_far(&self.frame, place, far)
     }
 
     /// The whole of which the part is one of several.
