@@ -3,6 +3,7 @@
 
 use super::candidates::Candidates;
 use super::form::Form;
+use super::site::Reach;
 use super::target::Frame;
 use crate::math::DVec3;
 use crate::solve::shadow::Shadow;
@@ -51,38 +52,54 @@ impl Beside<'_> {
         })
     }
 
-    /// What is left of a way of a point of a frame over `time` s \[m\] where others hold it that it comes to and that are nearer than `most` m,
-    /// less what is kept from them; `None` if there are none. The frame moves with `shadow`.
+    /// From where to where a point in a frame that moves with `shadow` goes on its way over `time` s where other solids hold it: those nearer
+    /// than `most` m, less what is kept from them, on which it lies or to which it comes. It is lifted to a little above them \[m\].
+    /// `None` if none do.
     pub fn held(
         &self,
         (frame, shadow): (&Frame, &Shadow),
         point: DVec3,
         (mut way, time): (DVec3, f64),
         most: f64,
-    ) -> Option<DVec3> {
-        let mut is_held = false;
+        reach: &Reach,
+    ) -> Option<[DVec3; 2]> {
+        let mut held = None;
         let place = frame.position + frame.axes * point;
         let velocity = |of: &Shadow| of.velocity_at(place - of.com);
         for other in self.others.into_iter().flatten() {
-            let (Form::Solid(solid), Some(its)) = (&other.target.form, other.frame()) else {
+            let Candidates { target, .. } = other;
+            let (Form::Solid(solid), Some(its)) = (&target.form, other.frame()) else {
                 continue;
             };
-            let (offset, skin) = (place - its.position, other.target.skin);
-            if offset.length() - other.target.extent - skin >= most {
+            let (offset, skin) = (place - its.position, target.skin);
+            let is_far = offset.length() - target.extent - skin >= most;
+            if is_far || target.node_share == 0.0 {
                 continue;
             }
-            let (distance, normal) = solid.signed_distance(its.axes.transpose() * offset);
-            let normal = its.axes * normal;
-            let comes = velocity(&self.shadows[other.target.shadow as usize]) - velocity(shadow);
-            let comes = comes.dot(normal) * time;
-            let normal = frame.axes.transpose() * normal;
-            let (gap, along) = (distance - skin, way.dot(normal) - comes);
-            if gap < most && gap + along <= self.touching {
-                way -= normal * (along + gap.max(0.0)).min(0.0);
-                is_held = true;
+            let start = its.axes.transpose() * offset;
+            let (distance, normal) = solid.signed_distance(start);
+            let gap = distance - skin;
+            if gap >= most {
+                continue;
+            }
+            let comes = velocity(&self.shadows[target.shadow as usize]) - velocity(shadow);
+            let path = its.axes.transpose() * (frame.axes * way - comes * time);
+            let along = path.dot(normal);
+            let lies = gap <= reach.touching && along.abs() <= reach.slack;
+            // A plane has no end, but a plate has: what goes past its edge is not held by it.
+            let meets = || {
+                let (nearest, there) = solid.nearest_on_path(start, start + path);
+                let deep = nearest - skin;
+                deep <= -reach.touching || deep <= reach.touching && there.dot(normal) >= SAME
+            };
+            if lies || meets() {
+                let outward = frame.axes.transpose() * (its.axes * normal);
+                way -= outward * (along + gap.max(0.0)).min(0.0);
+                let from = held.unwrap_or(point);
+                held = Some(from + outward * (reach.touching - gap).max(0.0));
             }
         }
-        is_held.then_some(way)
+        held.map(|from| [from, from + way])
     }
 
     /// How far off all others a way out of a solid ends, from a place at this height over a face with this normal \[m\]. It ends as much

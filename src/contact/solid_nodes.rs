@@ -244,10 +244,15 @@ impl Making<'_, '_> {
         }
         // What is nearer holds it before it can come here.
         let whole = (way, longer * site.reach.h);
-        let held = site.beside.held((frame, site.shadow), place, whole, gap);
-        let (nearest, there) = solid.nearest_on_path(place, place + held.unwrap_or(way));
+        let by = (*frame, site.shadow);
+        let held = site.beside.held(by, place, whole, gap, &site.reach);
+        let goes_past = |[from, to]: [DVec3; 2]| solid.is_off(from, to, target.skin - touching);
+        if held.is_some_and(goes_past) {
+            return true;
+        }
+        let (nearest, there) = solid.nearest_on_path(place, place + way);
         let nearest = nearest - target.skin;
-        if nearest > slack || (held.is_some() && nearest > -touching) {
+        if nearest > slack {
             return true;
         }
         if nearest <= -touching || there.dot(normal) >= SAME {

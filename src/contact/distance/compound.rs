@@ -167,6 +167,14 @@ impl Compound {
         first
     }
 
+    /// Whether all of the segment `a`–`b` is farther off each part than `least` m.
+    pub fn is_off(&self, a: DVec3, b: DVec3, least: f64) -> bool {
+        let margin = DVec3::splat(least.max(0.0));
+        let (low, high) = (a.min(b) - margin, a.max(b) + margin);
+        let mut near = self.parts.meeting(low, high);
+        near.all(|part| part.solid.is_off(part.local(a), part.local(b), least))
+    }
+
     /// Signed distance and normal.
     pub fn signed_distance(&self, p: DVec3) -> (f64, DVec3) {
         let mut best = (f64::INFINITY, DVec3::Y);

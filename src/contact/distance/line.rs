@@ -34,6 +34,16 @@ impl Solid {
         }
     }
 
+    /// Whether all of the segment `a`–`b` \[m\] is farther off than `least` m, which may be negative; of voxels it is enough that it goes
+    /// into any.
+    pub fn is_off(&self, a: DVec3, b: DVec3, least: f64) -> bool {
+        match &self.core {
+            Core::Compound(compound) => compound.is_off(a, b, least),
+            Core::Voxels(_) => least <= 0.0 && self.cast(a, b).is_none(),
+            _ => self.nearest_on_segment(a, b).1 > least,
+        }
+    }
+
     /// Where on the segment `a`–`b` \[m\] the signed distance to a convex solid is least: the part t of the way, that
     /// distance \[m\] and the outward unit normal. Between the ends the normal is perpendicular to the segment, so across an
     /// edge of the solid it is perpendicular to both, and the distance of a segment that has entered is measured along

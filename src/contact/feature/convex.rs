@@ -238,7 +238,12 @@ impl Making<'_, '_> {
                 lie: m.lie,
                 side: -1.0_f64.copysign(m.normal.dot(n)),
             };
-            seen.note([p, f], patch.corners(), apart, found.iter().map(point));
+            seen.note(
+                [p, f],
+                patch.corners(),
+                (apart, self.near),
+                found.iter().map(point),
+            );
         }
         apart
     }

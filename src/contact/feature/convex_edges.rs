@@ -113,7 +113,7 @@ impl Making<'_, '_> {
         let mut found = Found::default();
         let apart = self.edge_anew(part, (key, bound), (&nodes, corners), &mut found);
         if let Some(edges) = found.all_of(&part.solid) {
-            seen.note(key, &corners, apart, edges);
+            seen.note(key, &corners, (apart, self.near), edges);
         }
         apart
     }
@@ -195,6 +195,8 @@ impl Making<'_, '_> {
                 making.touches.touched(key) || is_deep && making.has_slid_on(key, c.normal, depth);
             let at = (c.t, c.normal, c.distance);
             let Some(point) = making.across(known, (nodes, &corners), at, deepest) else {
+                // What is deep may become known by what touches beside it.
+                found.more |= depth > -making.site.reach.touching;
                 return;
             };
             if making.edge_lies_beside(part, (e, corners), &c, known) {

@@ -68,22 +68,23 @@ impl Making<'_, '_> {
         goes_on.then_some(false)
     }
 
-    /// Whether a place on an edge or a corner of the part can't be touched along a normal: another part or collider goes on there, flush with
-    /// a face beside it, which can.
+    /// Whether a place on an edge or a corner of the part can't be touched along a normal: another part or collider goes on there, flush
+    /// with a face beside it, which can.
     fn is_joint(&self, part: &Convex, place: DVec3, normal: DVec3) -> bool {
         let touching = self.site.reach.touching;
-        let is_hidden = |height: f64, normal: DVec3| {
+        let is_open = |height: f64, normal: DVec3| {
             let end = place + normal * (touching - height);
-            let others = self.site.beside.distance(&self.frame, end, touching);
+            let room = self.site.beside.room(&self.frame, place, (height, normal));
+            // Another part than its own.
             let whole = self.compound();
+            let whole = whole.filter(|_| part.solid.signed_distance(end).0 >= 0.5 * touching);
             let whole = whole.map_or(touching, |w| w.signed_distance(part.to_collider(end)).0);
-            others.min(whole) < 0.5 * touching
+            room.min(whole) >= 0.5 * touching
         };
         let mut is_face = false;
-        if is_hidden(0.0, normal) {
+        if !is_open(0.0, normal) {
             part.solid.exits(place, &mut |height, face| {
-                is_face |=
-                    height > -touching && face.dot(normal) < SAME && !is_hidden(height, face);
+                is_face |= height > -touching && face.dot(normal) < SAME && is_open(height, face);
             });
         }
         is_face

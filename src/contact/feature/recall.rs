@@ -1,14 +1,14 @@
 //! What has been found of faces and edges that have hardly moved since.
 //!
 //! Which corners and edges of a part meet an element of the body, and from which side, changes only as the two move against each
-//! other. So while an element stays where it was in the frame of the part, to a few distances that count as touching, it meets the
-//! same things; how deep they are is measured anew, exactly, in every substep. What is not met then is farther off than the reach of a
-//! substep, and stays so.
+//! other. So while an element stays where it was in the frame of the part, it is taken to meet the same things; how deep they are is
+//! measured anew, exactly, in every substep. What it did not meet is found later by what it may have moved, a part of what is looked
+//! ahead for anyway.
 
 use crate::contact::site::Reach;
 use crate::math::DVec3;
 
-/// For how many substeps an element is not looked at anew.
+/// Every so manieth substep an element is looked at anew even at rest: what else the body can touch may have moved.
 const MOST: u32 = 16;
 
 /// Of what counts as shallow, how far the corners of an element may have moved.
@@ -93,8 +93,8 @@ impl<W: Copy> Recall<W> {
         }
     }
 
-    /// What was found of an element if that has not moved since: how far it is from the part at least \[m\], and its points. Elements come in
-    /// ascending order.
+    /// What was found of an element if that has not moved since: how far it is from the part at least \[m\], and its points. Elements
+    /// come in ascending order.
     pub fn of(&mut self, key: [u32; 2], corners: &[DVec3]) -> Option<(f64, &[W])> {
         let elements = &self.last.elements;
         while elements.get(self.passed).is_some_and(|e| e.key < key) {
@@ -124,14 +124,18 @@ impl<W: Copy> Recall<W> {
         self.next.elements.push(element);
     }
 
-    /// Notes what was found of an element.
+    /// Notes what was found of an element, if it is within `near` m.
     pub fn note(
         &mut self,
         key: [u32; 2],
         corners: &[DVec3],
-        apart: f64,
+        (apart, near): (f64, f64),
         points: impl IntoIterator<Item = W>,
     ) {
+        // At first all elements of a body are looked at, and most of them once.
+        if apart > near + 2.0 * self.still {
+            return;
+        }
         let first = self.next.points.len() as u32;
         self.next.points.extend(points);
         let mut element = Element {
@@ -174,7 +178,7 @@ mod tests {
                         recall.go_on();
                     }
                     None => {
-                        recall.note([0, e], &corners, 0.2, [e, e + 1]);
+                        recall.note([0, e], &corners, (0.2, 0.2), [e, e + 1]);
                         looks += 1;
                     }
                 }
@@ -192,21 +196,30 @@ mod tests {
     }
 
     #[test]
+    fn what_is_far_is_not_kept() {
+        let mut recall = Recall::default();
+        recall.begin(&REACH);
+        recall.note([0, 1], &[DVec3::ZERO], (0.3, 0.2), [1]);
+        recall.begin(&REACH);
+        assert!(recall.of([0, 1], &[DVec3::ZERO]).is_none());
+    }
+
+    #[test]
     fn nothing_is_known_of_what_was_not_looked_at() {
         let mut recall = Recall::default();
         recall.begin(&REACH);
-        recall.note([0, 1], &[DVec3::ZERO], 0.0, [1]);
+        recall.note([0, 1], &[DVec3::ZERO], (0.0, 0.1), [1]);
         recall.begin(&REACH);
         assert!(recall.of([0, 0], &[DVec3::ZERO]).is_none());
         assert!(recall.of([1, 0], &[DVec3::ZERO]).is_none());
-        // It was passed by.
+        // It has not been asked for in the substep before.
         recall.begin(&REACH);
         assert!(recall.of([0, 1], &[DVec3::ZERO]).is_none());
-        recall.note([0, 1], &[DVec3::ZERO], 0.0, [1]);
+        recall.note([0, 1], &[DVec3::ZERO], (0.0, 0.1), [1]);
         recall.begin(&Reach { h: 2e-4, ..REACH });
         assert!(recall.of([0, 1], &[DVec3::ZERO]).is_none());
         // What is no number has moved.
-        recall.note([0, 1], &[DVec3::NAN], 0.0, [1]);
+        recall.note([0, 1], &[DVec3::NAN], (0.0, 0.1), [1]);
         recall.begin(&Reach { h: 2e-4, ..REACH });
         assert!(recall.of([0, 1], &[DVec3::NAN]).is_none());
     }
