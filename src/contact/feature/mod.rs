@@ -34,7 +34,7 @@ use sharp::SharpFeatures;
 #[derive(Clone, Debug)]
 pub enum Features {
     /// Near the convex parts of a solid.
-    Convex(ConvexFeatures),
+    Convex(Box<ConvexFeatures>),
     /// Near the corners and edges of a surface, or of voxels.
     Sharp(Box<SharpFeatures>),
 }
@@ -44,7 +44,7 @@ impl Features {
     pub fn of(form: &Form, spacing: f64) -> Option<Self> {
         match form {
             Form::Solid(solid) if !solid.is_voxels() => {
-                ConvexFeatures::of(solid, spacing).map(Self::Convex)
+                ConvexFeatures::of(solid, spacing).map(|f| Self::Convex(Box::new(f)))
             }
             _ => Some(Self::Sharp(Box::default())),
         }

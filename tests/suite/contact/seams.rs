@@ -365,7 +365,7 @@ fn what_is_shot_at_joints_stays_above_them() {
         let (down, speed) = ([0.2, 0.5, 0.8][i % 3], [5.0, 15.0, 30.0][i / 3 % 3]);
         let linvel = Vector::new(1.0, -down, 0.0).normalize() * speed;
         // Within 2 mm of where it will strike: at a joint, or a little before or behind it.
-        let joint = if i % 2 == 0 { -0.0625 } else { 0.0625 };
+        let joint = [-0.0625, 0.0625][i % 2];
         let aim = joint + 1e-4 * (i % 41) as f32 - 2e-3;
         let (height, z) = (1e-2 + 1e-5 * (i % 37) as f32, -1.5 + 5e-3 * i as f32);
         let start = Vector::new(aim, 0.0, z) + linvel * (height / linvel.y);
