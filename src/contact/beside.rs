@@ -52,9 +52,9 @@ impl Beside<'_> {
         })
     }
 
-    /// From where to where a point in a frame that moves with `shadow` goes on its way over `time` s where other solids hold it: those nearer
-    /// than `most` m, less what is kept from them, on which it lies or to which it comes. It is lifted to a little above them \[m\].
-    /// `None` if none do.
+    /// From where to where a point in a frame that moves with `shadow` goes on its way over `time` s where other solids hold
+    /// it: those nearer than `most` m, less what is kept from them, on which it lies or to which it comes. It is lifted to a
+    /// little above them \[m\]. `None` if none do.
     pub fn held(
         &self,
         (frame, shadow): (&Frame, &Shadow),

@@ -151,7 +151,8 @@ impl Making<'_, '_> {
             // Squeezed past the middle of a thin solid: it goes back to where it came from.
             (depth, normal) = (target.skin + back, before);
         }
-        // What has not arrived yet is held where it will: on an edge the way there is none along the surface of the next substep.
+        // What has not arrived yet is held where it will: on an edge the way there is none along the surface of the next
+        // substep.
         let arrives = depth < -self.site.reach.touching;
         let hold = last.and_then(|touch| touch.hold).unwrap_or(Hold {
             weights: [1.0, 0.0, 0.0, 0.0],

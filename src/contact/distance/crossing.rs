@@ -88,7 +88,8 @@ impl Solid {
         }
     }
 
-    /// A straight edge by its number, as [`Self::for_each_crossing`] counts them: its ends \[m\] and the outward normals of its faces.
+    /// A straight edge by its number, as [`Self::for_each_crossing`] counts them: its ends \[m\] and the outward normals of
+    /// its faces.
     pub fn straight_edge(&self, number: u32) -> Option<StraightEdge> {
         match &self.core {
             Core::Cuboid(half) => (number < 12).then(|| cuboid_edge(number as usize, *half)),

@@ -62,7 +62,8 @@ impl Solid {
         }
     }
 
-    /// Whether it is a box or a polyhedron that is not grown: its corners and edges are in the same places however it is looked at.
+    /// Whether it is a box or a polyhedron that is not grown: its corners and edges are in the same places however it is
+    /// looked at.
     pub fn is_sharp(&self) -> bool {
         self.radius <= 0.0 && matches!(self.core, Core::Cuboid(_) | Core::Hull(_))
     }

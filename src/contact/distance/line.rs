@@ -34,8 +34,8 @@ impl Solid {
         }
     }
 
-    /// Whether all of the segment `a`–`b` \[m\] is farther off than `least` m, which may be negative; of voxels it is enough that it goes
-    /// into any.
+    /// Whether all of the segment `a`–`b` \[m\] is farther off than `least` m, which may be negative; of voxels it is enough
+    /// that it goes into any.
     pub fn is_off(&self, a: DVec3, b: DVec3, least: f64) -> bool {
         match &self.core {
             Core::Compound(compound) => compound.is_off(a, b, least),

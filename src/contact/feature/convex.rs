@@ -394,8 +394,8 @@ impl Making<'_, '_> {
         (!self.is_internal_corner(facing.part, point, -n)).then_some(found)
     }
 
-    /// Whether the part is cut by a face of a sheet that lies between one of its points and its middle: what touched that has come there
-    /// since, whichever way.
+    /// Whether the part is cut by a face of a sheet that lies between one of its points and its middle: what touched that has
+    /// come there since, whichever way.
     fn is_cut(&self, part: &Convex, p: u32, patch: &Patch, met: &Met) -> bool {
         !self.site.side.topology.closed
             && met.lie == Lie::Over

@@ -21,7 +21,8 @@ const MOST: usize = 4;
 struct Found {
     edges: [u32; MOST],
     count: usize,
-    /// Whether there is more that is to be looked at anew in every substep: what is round, is passed at an end, or lies beside for now.
+    /// Whether there is more that is to be looked at anew in every substep: what is round, is passed at an end, or lies
+    /// beside for now.
     more: bool,
 }
 
@@ -118,8 +119,8 @@ impl Making<'_, '_> {
         apart
     }
 
-    /// Adds the rows of an edge that has not moved, with the edges of the part that it has crossed before; `None` where it must be looked at
-    /// anew.
+    /// Adds the rows of an edge that has not moved, with the edges of the part that it has crossed before; `None` where it
+    /// must be looked at anew.
     fn edge_again(
         &mut self,
         part: &Convex,

@@ -68,8 +68,8 @@ impl Making<'_, '_> {
         goes_on.then_some(false)
     }
 
-    /// Whether a place on an edge or a corner of the part can't be touched along a normal: another part or collider goes on there, flush
-    /// with a face beside it, which can.
+    /// Whether a place on an edge or a corner of the part can't be touched along a normal: another part or collider goes on
+    /// there, flush with a face beside it, which can.
     fn is_joint(&self, part: &Convex, place: DVec3, normal: DVec3) -> bool {
         let touching = self.site.reach.touching;
         let is_open = |height: f64, normal: DVec3| {

@@ -1,9 +1,9 @@
 //! What has been found of faces and edges that have hardly moved since.
 //!
-//! Which corners and edges of a part meet an element of the body, and from which side, changes only as the two move against each
-//! other. So while an element stays where it was in the frame of the part, it is taken to meet the same things; how deep they are is
-//! measured anew, exactly, in every substep. What it did not meet is found later by what it may have moved, a part of what is looked
-//! ahead for anyway.
+//! Which corners and edges of a part meet an element of the body, and from which side, changes only as the two move against
+//! each other. So while an element stays where it was in the frame of the part, it is taken to meet the same things; how deep
+//! they are is measured anew, exactly, in every substep. What it did not meet is found later by what it may have moved, a
+//! part of what is looked ahead for anyway.
 
 use crate::contact::site::Reach;
 use crate::math::DVec3;
@@ -93,8 +93,8 @@ impl<W: Copy> Recall<W> {
         }
     }
 
-    /// What was found of an element if that has not moved since: how far it is from the part at least \[m\], and its points. Elements
-    /// come in ascending order.
+    /// What was found of an element if that has not moved since: how far it is from the part at least \[m\], and its points.
+    /// Elements come in ascending order.
     pub fn of(&mut self, key: [u32; 2], corners: &[DVec3]) -> Option<(f64, &[W])> {
         let elements = &self.last.elements;
         while elements.get(self.passed).is_some_and(|e| e.key < key) {

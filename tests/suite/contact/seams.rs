@@ -265,9 +265,9 @@ fn sliders() -> Vec<(&'static str, DeformableBuilder)> {
     ]
 }
 
-/// Joints are none of the ground, wherever they end: springs and gravity pull nodes down in front of the next piece, and that of what is
-/// thick is round there, but what holds the node up holds it until it is over. Rubber kept 1.71 m/s on the boards, the soft block 1.4; a
-/// thick sheet hopped; where boards of a compound abut on a joint the sheet was thrown back.
+/// Joints are none of the ground, wherever they end: springs and gravity pull nodes down in front of the next piece, and that
+/// of what is thick is round there, but what holds the node up holds it until it is over. Rubber kept 1.71 m/s on the boards,
+/// the soft block 1.4; a thick sheet hopped; where boards of a compound abut on a joint the sheet was thrown back.
 #[test]
 fn joints_do_not_brake_what_slides_over_them() {
     let carried = RigidBodyBuilder::kinematic_velocity_based().linvel(Vector::new(0.7, 0.0, 0.3));
