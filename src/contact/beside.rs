@@ -15,8 +15,8 @@ pub struct Beside<'a> {
     pub others: [&'a [Candidates]; 2],
     /// The shadows of the group.
     pub shadows: &'a [Shadow],
-    /// Distance that counts as touching \[m\].
-    pub touching: f64,
+    /// What is near enough.
+    pub reach: Reach,
 }
 
 impl Beside<'_> {
@@ -61,8 +61,10 @@ impl Beside<'_> {
         point: DVec3,
         (mut way, time): (DVec3, f64),
         most: f64,
-        reach: &Reach,
     ) -> Option<[DVec3; 2]> {
+        let Reach {
+            touching, slack, ..
+        } = self.reach;
         let mut held = None;
         let place = frame.position + frame.axes * point;
         let velocity = |of: &Shadow| of.velocity_at(place - of.com);
@@ -85,18 +87,18 @@ impl Beside<'_> {
             let comes = velocity(&self.shadows[target.shadow as usize]) - velocity(shadow);
             let path = its.axes.transpose() * (frame.axes * way - comes * time);
             let along = path.dot(normal);
-            let lies = gap <= reach.touching && along.abs() <= reach.slack;
+            let lies = gap <= touching && along.abs() <= slack;
             // A plane has no end, but a plate has: what goes past its edge is not held by it.
             let meets = || {
                 let (nearest, there) = solid.nearest_on_path(start, start + path);
                 let deep = nearest - skin;
-                deep <= -reach.touching || deep <= reach.touching && there.dot(normal) >= SAME
+                deep <= -touching || deep <= touching && there.dot(normal) >= SAME
             };
             if lies || meets() {
                 let outward = frame.axes.transpose() * (its.axes * normal);
                 way -= outward * (along + gap.max(0.0)).min(0.0);
                 let from = held.unwrap_or(point);
-                held = Some(from + outward * (reach.touching - gap).max(0.0));
+                held = Some(from + outward * (touching - gap).max(0.0));
             }
         }
         held.map(|from| [from, from + way])
@@ -105,13 +107,13 @@ impl Beside<'_> {
     /// How far off all others a way out of a solid ends, from a place at this height over a face with this normal \[m\]. It ends as much
     /// outside as counts as touching, and more than that is not told.
     pub fn room(&self, frame: &Frame, place: DVec3, (height, normal): (f64, DVec3)) -> f64 {
-        let end = place + normal * (self.touching - height);
-        self.distance(frame, end, self.touching)
+        let end = place + normal * (self.reach.touching - height);
+        self.distance(frame, end, self.reach.touching)
     }
 
     /// Whether that way ends in another solid, or on its surface: what lies there is no face of both together.
     pub fn hides(&self, frame: &Frame, place: DVec3, way: (f64, DVec3)) -> bool {
-        self.room(frame, place, way) < 0.5 * self.touching
+        self.room(frame, place, way) < 0.5 * self.reach.touching
     }
 }
 

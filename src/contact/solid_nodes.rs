@@ -248,7 +248,7 @@ impl Making<'_, '_> {
         // What is nearer holds it before it can come here.
         let whole = (way, longer * site.reach.h);
         let by = (*frame, site.shadow);
-        let held = site.beside.held(by, place, whole, gap, &site.reach);
+        let held = site.beside.held(by, place, whole, gap);
         let goes_past = |[from, to]: [DVec3; 2]| solid.is_off(from, to, target.skin - touching);
         if held.is_some_and(goes_past) {
             return true;

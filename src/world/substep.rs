@@ -218,7 +218,7 @@ impl Group {
                     beside: Beside {
                         others: [before, after],
                         shadows: &self.shadows,
-                        touching: s.touching,
+                        reach,
                     },
                 };
                 c.find_rows(site, moved, closing, s.near);

@@ -9,6 +9,7 @@
 mod bulge;
 mod convex;
 mod convex_edges;
+mod convex_faces;
 mod internal;
 mod making;
 mod meet;
