@@ -29,6 +29,10 @@ const OFF: f64 = 1e-5;
 /// And one that differs by less than this from what was expected is that, but for rounding \[rad\].
 const MET: f64 = 1e-4;
 
+/// By which share of what it was given a body may be faster than its shadow, or slower, and have landed as that has: Rapier's
+/// velocities are ahead by half an iteration of gravity.
+const LANDED: f64 = 0.1;
+
 /// An impulse \[N·s\] and an angular impulse about the centre of mass \[N·m·s\].
 pub type Wrench = (DVec3, DVec3);
 
@@ -39,6 +43,8 @@ pub struct Split {
     pub early: Wrench,
     /// At the end.
     pub late: Wrench,
+    /// Whether it is put where its shadow is if it ends as fast as that is.
+    pub lands: bool,
 }
 
 /// What a body still has to get after Rapier's step.
@@ -51,6 +57,8 @@ pub struct Pending {
     turned: Option<(DQuat, DVec3)>,
     /// To be given after it.
     late: Wrench,
+    /// Whether it is put where its shadow is if it is as fast as that then.
+    lands: bool,
     /// The user's own force and torque, to be restored exactly.
     user: (Vector, Vector),
     /// The length of the step \[s\].
@@ -73,6 +81,7 @@ impl Pending {
             given: DVec3::ZERO,
             turned: None,
             late: Default::default(),
+            lands: false,
             user: (Vector::ZERO, Vector::ZERO),
             dt: 0.0,
             before: Default::default(),
@@ -120,8 +129,9 @@ pub fn before_step(
             pending.free = mobility.answer(impulse, torque, dt);
             give(body, split.early);
             pending.late = split.late;
+            pending.lands = split.lands;
             if answer == Answer::Constrained {
-                let damped = damped_momentum(body, end);
+                let damped = momentum(body, end.damped);
                 give(body, (-damped.0, -damped.1));
             }
             let force = impulse - split.early.0 - split.late.0;
@@ -151,6 +161,21 @@ fn turn_to(body: &mut RigidBody, end: &Shadow, (expected, spin): (DQuat, DVec3))
     let spin = wide(body.angvel()) - spin + now * end.rot.inverse() * end.w;
     if spin.is_finite() {
         body.set_angvel(narrow(spin), false);
+    }
+}
+
+/// Puts a body where its shadow has landed, if it is as fast as that. It got all that stopped it at the start of the step, and so
+/// has stayed behind: on the way Rapier's contact would have stopped it once more, as deformables bear what lands on the ground
+/// through them.
+fn land(body: &mut RigidBody, pending: &Pending, end: &Shadow) {
+    let size = |(v, w): Wrench| {
+        let (p, l) = momentum(body, (v, w));
+        p.dot(v) + l.dot(w)
+    };
+    let (v, w) = (wide(body.linvel()), wide(body.angvel()));
+    if size((v - end.v, w - end.w)) <= LANDED * LANDED * size(pending.free) {
+        let at = narrow(end.com) - end.rot.as_quat() * body.local_center_of_mass();
+        body.set_position(Pose::from_parts(at, end.rot.as_quat()), false);
     }
 }
 
@@ -190,8 +215,8 @@ fn damped_where_locked(body: &RigidBody, end: &Shadow) -> (DVec3, DVec3) {
     )
 }
 
-/// The momentum that damping has taken of a body's shadow. What it says about locked axes moves nothing.
-fn damped_momentum(body: &RigidBody, end: &Shadow) -> Wrench {
+/// The momentum of a body of this velocity and spin. What it says about locked axes moves nothing.
+fn momentum(body: &RigidBody, (v, w): Wrench) -> Wrench {
     let inv_mass = wide(body.mass_properties().effective_inv_mass);
     let mut inv_inertia = inv_inertia(body);
     for k in 0..3 {
@@ -199,10 +224,7 @@ fn damped_momentum(body: &RigidBody, end: &Shadow) -> Wrench {
             *inv_inertia.col_mut(k) = DVec3::AXES[k];
         }
     }
-    (
-        per_axis(end.damped.0, inv_mass),
-        inv_inertia.inverse() * end.damped.1,
-    )
+    (per_axis(v, inv_mass), inv_inertia.inverse() * w)
 }
 
 /// Momentum for a velocity, axis by axis; 0 along locked axes and for bodies that don't answer at all.
@@ -258,6 +280,9 @@ pub fn after_step(
                 give(body, pending.late);
                 body.set_linvel(body.linvel() + narrow(v), false);
                 body.set_angvel(body.angvel() + narrow(w), false);
+                if pending.lands {
+                    land(body, pending, end);
+                }
             }
             if !pending.answer.is_kept() {
                 let (v, w) = pending.before;

@@ -26,6 +26,8 @@ pub(super) struct Touched {
     pub at: (DVec3, DQuat),
     /// The body's centre of mass in its own frame \[m\].
     pub local_com: DVec3,
+    /// Whether it has come to what it can press on in this step.
+    pub arrives: bool,
 }
 
 /// A body that has been handed its first part and waits for the rest.
@@ -91,6 +93,7 @@ impl Origins<'_> {
             start,
             at,
             local_com: wide(body.local_center_of_mass()),
+            arrives: false,
         });
         group.shadows.push(start);
         group.shadows.len() as u32 - 1

@@ -75,7 +75,14 @@ impl Group {
             end.given() != Default::default() && t.answer == Answer::Constrained
         };
         let pairs = self.touched.iter().zip(&self.shadows[1..]);
-        let mut trials: Vec<Trial> = pairs.map(|(t, end)| Trial::new(is_trial(t, end))).collect();
+        let each = pairs.map(|(t, end)| {
+            if t.arrives {
+                Trial::at_once(end.given())
+            } else {
+                Trial::new(is_trial(t, end))
+            }
+        });
+        let mut trials: Vec<Trial> = each.collect();
         // What is held together is solved with the iterations of the body that asks for most.
         let bodies = self.touched.iter().filter_map(|t| parts.bodies.get(t.body));
         let additional = bodies.map(|b| b.additional_solver_iterations()).max();
@@ -99,8 +106,12 @@ impl Group {
                 }
             }
         }
-        let ends = trials.iter().zip(&self.shadows[1..]);
-        ends.map(|(p, end)| p.split(p.best.0, end, share)).collect()
+        let ends = trials.iter().zip(&self.shadows[1..]).zip(&self.touched);
+        let splits = ends.map(|((p, end), touched)| Split {
+            lands: touched.arrives,
+            ..p.split(p.best.0, end, share)
+        });
+        splits.collect()
     }
 
     /// By how much the body of each shadow may miss it.
@@ -138,7 +149,7 @@ impl Group {
                 shadow.v -= end.damped.0;
                 shadow.w -= end.damped.1;
             }
-            let Split { early, late } = trial.split(trial.early, end, share);
+            let Split { early, late, .. } = trial.split(trial.early, end, share);
             shadow.take(early.0, early.1);
             let mut rest = Shadow {
                 v: DVec3::ZERO,
@@ -194,6 +205,15 @@ impl Trial {
             by_force: None,
             late: true,
             corrects,
+        }
+    }
+
+    /// All that it is given, at the start.
+    fn at_once(given: Wrench) -> Self {
+        Self {
+            early: given,
+            best: (given, 0.0),
+            ..Self::new(false)
         }
     }
 
@@ -375,7 +395,7 @@ mod tests {
         assert_eq!(end.impulse, DVec3::ZERO);
         let mut trial = Trial::new(true);
         for _ in 0..ROUNDS {
-            let Split { early, late } = trial.split(trial.early, &end, SHARE);
+            let Split { early, late, .. } = trial.split(trial.early, &end, SHARE);
             let force = end.impulse - early.0 - late.0;
             let mut reached = start;
             reached.com += reached.inv_mass * (early.0 + force * SHARE) * dt;

@@ -39,8 +39,10 @@ pub struct RigidRow {
     /// The mean force in a step that Rapier's own contact bears without giving way too much \[N\]; what it is pressed by beyond that it
     /// is spared.
     pub bears: f64,
-    /// Whether the bodies have pressed on each other in any substep so far.
-    pub pressed: bool,
+    /// The sum of the normal impulses since the step began \[N·s\].
+    pub pressed: f64,
+    /// The fastest that the bodies have come in a substep, beyond what is allowed, before anything presses or pulls on them \[m/s\].
+    pub came: f64,
     /// What it has borne since the step began.
     pub load: Load,
     /// What the pass makes of it.
@@ -177,6 +179,7 @@ impl RigidRow {
     pub(super) fn approach(&mut self, shadows: &[Shadow], h: f64) {
         self.made.allowed = allowed_velocity(-self.gap, h);
         self.made.closing = (self.made.allowed - self.speed(shadows)).max(0.0);
+        self.came = self.came.max(self.made.closing);
     }
 
     /// Along the normal and the sides \[N·s\].
@@ -313,10 +316,19 @@ impl RigidRow {
 
     /// Ends a substep of h s.
     pub(super) fn end(&mut self, shadows: &[Shadow], h: f64) {
-        self.pressed |= self.normal_impulse > 0.0;
+        self.pressed += self.normal_impulse;
         self.book(shadows);
         self.load.shift += self.load.impulse * h;
         self.gap += h * self.speed(shadows);
+    }
+
+    /// Whether the bodies have come together in a step of `dt` s, or so near that of their gap less is left than they have closed: faster
+    /// than by `far` m in it, and than gravity and the like make them in a step.
+    pub fn arrives(&self, shadows: &[Shadow], far: f64, dt: f64) -> bool {
+        let driven = |i: u32| shadows[i as usize].acceleration.length();
+        let [first, second] = self.shadows.map(driven);
+        let slow = far + (first + second) * dt * dt;
+        self.came * dt > slow || self.gap_at_start - self.gap > self.gap.max(slow)
     }
 
     /// Velocity of the second's point relative to the first's along the normal \[m/s\].

@@ -9,6 +9,9 @@ use crate::world::substep::{Group, NEAR};
 use crate::world::ties::Attached;
 use crate::world::{DeformableWorld, RapierParts};
 
+/// What comes nearer by less in a step than this, in length units, rests.
+const ARRIVES: f64 = 1e-4;
+
 impl DeformableWorld {
     /// Puts the members of a group back and keeps what its rigid bodies wait for.
     pub(in crate::world) fn dissolve(
@@ -20,7 +23,7 @@ impl DeformableWorld {
         group.shadows.iter_mut().for_each(Shadow::take_late);
         group.rows.spare_contacts(&mut group.shadows, dt);
         group.note_ahead(false);
-        group.release();
+        group.release(ARRIVES * parts.length_unit(), dt);
         group.follow();
         self.drowsy.extend(group.as_drowsy(dt, &self.params));
         self.pause_encounters(&mut group);

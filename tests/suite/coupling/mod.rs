@@ -9,6 +9,7 @@ mod heap;
 mod impact;
 mod joints;
 mod laden;
+mod landings;
 mod light;
 mod links;
 mod multibody;
