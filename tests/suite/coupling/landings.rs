@@ -92,7 +92,7 @@ fn what_falls_on_a_cloth_stays_there() {
                 let (came, left, off) = land(shape, on(thickness), how, drop);
                 let what = format!("{name} on {ground} of {thickness} m from {drop} m");
                 // At rest Rapier's velocity is ahead by half an iteration of gravity, 0.02 m/s at 60 steps a second; and what comes no
-                // faster than gravity makes it in a step may still come back, at 240 steps a second with 0.02 m/s.
+                // faster than gravity makes it in a step, 0.16 m/s at 60, may still come back.
                 let slow = if own_loop { 0.08 } else { 0.02 };
                 assert!(left < most * came + slow, "{what}: {left} of {came} m/s");
                 assert!(off.abs() < 1e-3 + thickness, "{what}: {off} m off");
