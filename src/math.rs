@@ -11,8 +11,10 @@ pub(crate) use rapier3d::na;
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
+mod disjoint;
 mod pack;
 
+pub(crate) use disjoint::Disjoint;
 pub use pack::{LANES, Pack, Packed, WIDTH, Wide};
 
 /// What laws compute with: a [`Scalar`], or several of them side by side, see [`Pack`].

@@ -139,7 +139,7 @@ impl Pushed {
         if !is_slanted(cone, normal, lean) {
             return false;
         }
-        if upright(cone, normal).any(is_apart) {
+        if upright(cone, normal).any(is_apart) || self.passes_rim(solid, reach, cone) {
             return true;
         }
         // At a rim or a corner, one of its faces may look between the outermost directions. One that is not the face which would
@@ -154,6 +154,40 @@ impl Pushed {
         beside
     }
 }
+
+impl Pushed {
+    /// Whether its surface, nearly flat here, goes straight into what would push it and comes out beyond the rim of that: behind the face
+    /// that would push, it is outside of the solid. However it bends farther on, and whatever comes down on it: the rim meets it first.
+    fn passes_rim(&self, solid: &Solid, reach: &Reach, cone: &[DVec3]) -> bool {
+        let is_level = |n: DVec3| {
+            n.dot(self.normal).abs() < LEVEL && cone.iter().all(|c| c.dot(n).abs() < LEVEL)
+        };
+        if !upright(cone, self.normal).any(is_level) {
+            return false;
+        }
+        // Not through a thin plate.
+        let behind = (BEHIND * reach.shallow()).min(0.5 * solid.width());
+        let least = self.skin - behind / BEHIND;
+        let beyond = |c: DVec3| {
+            let way = (self.skin - self.depth + behind) / -c.dot(self.normal);
+            solid.signed_distance(self.place + c * way.max(0.0)).0 >= least
+        };
+        let into = |c: &&DVec3| c.dot(self.normal) < -STRAIGHT;
+        let mut straight = cone.iter().filter(into).peekable();
+        straight.peek().is_some() && straight.all(|c| beyond(*c))
+    }
+}
+
+/// The sine by which a surface may be bent and count as nearly flat: round the corners of a heavy load it is folded, and held by
+/// all that touches it.
+const LEVEL: f64 = 0.35;
+
+/// The cosine from which on a direction goes straight into a face: of four edges in a plane one goes so at least.
+const STRAIGHT: f64 = 0.5;
+
+/// How far behind a face it is looked whether a surface has gone into it or past its rim, per what counts as shallow: what has
+/// gone in is deeper there.
+const BEHIND: f64 = 4.0;
 
 /// How many directions of a cone are looked at.
 const MOST: usize = 16;
@@ -248,14 +282,14 @@ mod tests {
         let at = |x, y, way| at_turning(x, y, way, DVec3::ZERO);
         assert!(at(1.1, -1.00002, 0.0));
         assert!(at(1.1, -0.99995, 0.0));
-        // What stands against its side is held by that, and what is about to.
+        // What stands against its side is held by that.
         assert!(!at(1.1, -0.9, 0.0));
-        assert!(!at(1.1, -1.0, 0.01));
+        // Its lower face comes down on what is ahead of it, not its side.
+        assert!(at(1.1, -1.0, 0.01));
         // What is not reached is not looked at.
         assert!(!at(1.3, -1.0, 0.0));
-        // A corner comes down, whichever way it tips.
         for turn in [DVec3::Z, -DVec3::Z, DVec3::X, -DVec3::X] {
-            assert!(!at_turning(1.1, -1.0, 0.0, 0.01 * turn));
+            assert!(at_turning(1.1, -1.0, 0.0, 0.01 * turn));
         }
     }
 
@@ -279,7 +313,27 @@ mod tests {
             let cone = [sloping(sine), -DVec3::X, DVec3::Z, -DVec3::Z];
             beside(DVec3::new(1.1, -1.00002, 0.0), cone, 0.2)
         };
-        assert!(under(0.0) && under(0.05) && !under(0.2));
+        assert!(under(0.0) && under(0.05) && under(0.3) && !under(0.4));
+        // What bulges up before it is under it as long as it is lower at its rim, and behind that.
+        let bulging = |height: f64| {
+            let cone = [sloping(-0.05), -sloping(0.05), DVec3::Z, -DVec3::Z];
+            beside(DVec3::new(1.1, height - 1.0, 0.0), cone, 0.2)
+        };
+        assert!(bulging(0.001) && bulging(0.0049) && !bulging(0.0055) && !bulging(0.05));
+        // What goes through a plate is not beyond its rim.
+        for half in [1e-2, 1e-4, 1e-6] {
+            let plate = Solid::of(&*SharedShape::cuboid(half as f32, 1.0, 1.0)).unwrap();
+            let pushed = Pushed {
+                place: DVec3::new(half + 0.01, 0.0, 0.0),
+                normal: DVec3::X,
+                depth: -0.01,
+                skin: 0.0,
+                touched: false,
+            };
+            let flat = [DVec3::X, -DVec3::X, DVec3::Z, -DVec3::Z];
+            let way = |_| -DVec3::X * 0.1;
+            assert!(!pushed.lies_beside(&plate, &REACH, || flat.into_iter(), (way, DVec3::ZERO)));
+        }
         let ripple = DVec3::new(0.05, sloping(0.05).x, 0.0);
         let before = [ripple, -ripple, DVec3::Z, -DVec3::Z];
         assert!(!beside(DVec3::new(1.0002, 0.0, 0.0), before, 2.2e-4));

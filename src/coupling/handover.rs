@@ -29,10 +29,6 @@ const OFF: f64 = 1e-5;
 /// And one that differs by less than this from what was expected is that, but for rounding \[rad\].
 const MET: f64 = 1e-4;
 
-/// By which share of what it was given a body may be faster than its shadow, or slower, and have landed as that has: Rapier's
-/// velocities are ahead by half an iteration of gravity.
-const LANDED: f64 = 0.1;
-
 /// An impulse \[N·s\] and an angular impulse about the centre of mass \[N·m·s\].
 pub type Wrench = (DVec3, DVec3);
 
@@ -43,8 +39,6 @@ pub struct Split {
     pub early: Wrench,
     /// At the end.
     pub late: Wrench,
-    /// Whether it is put where its shadow is if it ends as fast as that is.
-    pub lands: bool,
 }
 
 /// What a body still has to get after Rapier's step.
@@ -57,8 +51,6 @@ pub struct Pending {
     turned: Option<(DQuat, DVec3)>,
     /// To be given after it.
     late: Wrench,
-    /// Whether it is put where its shadow is if it is as fast as that then.
-    lands: bool,
     /// The user's own force and torque, to be restored exactly.
     user: (Vector, Vector),
     /// The length of the step \[s\].
@@ -81,7 +73,6 @@ impl Pending {
             given: DVec3::ZERO,
             turned: None,
             late: Default::default(),
-            lands: false,
             user: (Vector::ZERO, Vector::ZERO),
             dt: 0.0,
             before: Default::default(),
@@ -129,7 +120,6 @@ pub fn before_step(
             pending.free = mobility.answer(impulse, torque, dt);
             give(body, split.early);
             pending.late = split.late;
-            pending.lands = split.lands;
             if answer == Answer::Constrained {
                 let damped = momentum(body, end.damped);
                 give(body, (-damped.0, -damped.1));
@@ -164,19 +154,26 @@ fn turn_to(body: &mut RigidBody, end: &Shadow, (expected, spin): (DQuat, DVec3))
     }
 }
 
-/// Puts a body where its shadow has landed, if it is as fast as that. It got all that stopped it at the start of the step, and so
-/// has stayed behind: on the way Rapier's contact would have stopped it once more, as deformables bear what lands on the ground
-/// through them.
-fn land(body: &mut RigidBody, pending: &Pending, end: &Shadow) {
+/// Twice the energy of what a body's velocity is off that of its shadow, and of what a free body would have got of its impulses \[J\].
+/// What is asleep is off by all.
+pub fn off_shadow(body: &RigidBody, pending: &Pending, end: &Shadow) -> (f64, f64) {
     let size = |(v, w): Wrench| {
         let (p, l) = momentum(body, (v, w));
         p.dot(v) + l.dot(w)
     };
     let (v, w) = (wide(body.linvel()), wide(body.angvel()));
-    if size((v - end.v, w - end.w)) <= LANDED * LANDED * size(pending.free) {
-        let at = narrow(end.com) - end.rot.as_quat() * body.local_center_of_mass();
-        body.set_position(Pose::from_parts(at, end.rot.as_quat()), false);
-    }
+    let off = if body.is_sleeping() {
+        f64::INFINITY
+    } else {
+        size((v - end.v, w - end.w))
+    };
+    (off, size(pending.free))
+}
+
+/// Puts a body where its shadow is.
+pub fn put_at(body: &mut RigidBody, end: &Shadow) {
+    let at = narrow(end.com) - end.rot.as_quat() * body.local_center_of_mass();
+    body.set_position(Pose::from_parts(at, end.rot.as_quat()), false);
 }
 
 fn give(body: &mut RigidBody, (impulse, torque): Wrench) {
@@ -280,9 +277,6 @@ pub fn after_step(
                 give(body, pending.late);
                 body.set_linvel(body.linvel() + narrow(v), false);
                 body.set_angvel(body.angvel() + narrow(w), false);
-                if pending.lands {
-                    land(body, pending, end);
-                }
             }
             if !pending.answer.is_kept() {
                 let (v, w) = pending.before;

@@ -4,7 +4,6 @@
 use super::group::{BodyKey, Origins};
 use super::substep::Group;
 use crate::coupling::constraints::{RigidContact, RigidJoint};
-use crate::coupling::observe::Answer;
 use crate::math::{DQuat, DVec3};
 use crate::solve::rows::{Joint, JointRow, RigidRow};
 use std::collections::BTreeSet;
@@ -145,38 +144,6 @@ impl Group {
     fn body_at(&self, shadow: u32) -> (DVec3, DQuat) {
         let touched = (shadow as usize).checked_sub(1).map(|i| &self.touched[i]);
         touched.map_or((DVec3::ZERO, DQuat::IDENTITY), |t| t.at)
-    }
-
-    /// Lets go of bodies that could have pressed on others and did not come to them: they are as free as any. What has come
-    /// nearer by more than `far` m in the step, of `dt` s, arrives there, if deformables stopped it and did not press it on, and it
-    /// neither hangs on joints nor holds nodes, which would be drawn along.
-    pub fn release(&mut self, far: f64, dt: f64) {
-        let mut held = vec![false; self.shadows.len()];
-        let mut arrives = held.clone();
-        let mut borne = vec![DVec3::ZERO; self.shadows.len()];
-        for row in &self.rows.rigid {
-            let came = row.arrives(&self.shadows, far, dt);
-            for (shadow, sign) in row.shadows.into_iter().zip([-1.0, 1.0]) {
-                let shadow = shadow as usize;
-                held[shadow] |= row.pressed > 0.0 || came;
-                arrives[shadow] |= came;
-                borne[shadow] += row.normal * (sign * row.pressed);
-            }
-        }
-        for shadow in self.rows.joints.iter().flat_map(|j| j.joint.shadows) {
-            held[shadow as usize] = true;
-            arrives[shadow as usize] = false;
-        }
-        for attached in &self.attachments {
-            arrives[attached.shadow as usize] = false;
-        }
-        for (i, touched) in (1..).zip(&mut self.touched) {
-            if touched.answer == Answer::Constrained && !held[i] {
-                touched.answer = Answer::Free;
-            }
-            let stops = self.shadows[i].given().0.dot(borne[i]) >= 0.0;
-            touched.arrives = arrives[i] && stops && touched.answer == Answer::Constrained;
-        }
     }
 
     /// Makes the forces that rigid contacts start from impulses of substeps of h s.

@@ -2,7 +2,7 @@
 //! time.
 
 use super::attach::held_frame;
-use super::group::{Ends, Touched};
+use super::group::{Ends, Waiting};
 use super::laden::{Held, softest_contact};
 use super::{Deformable, DeformableWorld, RapierParts};
 use crate::contact::target::wide_rotation;
@@ -10,7 +10,6 @@ use crate::coupling::attach::{Hold, Part, Point};
 use crate::coupling::flight::rotation_vector;
 use crate::coupling::observe::Answer;
 use crate::math::{DVec3, wide};
-use crate::solve::shadow::Shadow;
 use std::collections::BTreeMap;
 
 impl DeformableWorld {
@@ -21,11 +20,11 @@ impl DeformableWorld {
     pub(super) fn leave_shadow(
         &mut self,
         parts: &RapierParts,
-        touched: &Touched,
-        end: &Shadow,
+        waiting: &Waiting,
         held: &Held,
         dt: f64,
     ) {
+        let (touched, end) = (&waiting.touched, &waiting.end);
         let Some(memory) = self.memory.get_mut(&touched.body.into_raw_parts()) else {
             return;
         };
@@ -41,7 +40,7 @@ impl DeformableWorld {
         let (miss, turn) = match touched.answer {
             // Its mass may have changed since the shadow was made.
             Answer::Linked => miss_of(wide(body.translation()) + rot * touched.local_com),
-            Answer::Constrained if is_stiff => {
+            Answer::Constrained if is_stiff || waiting.landed => {
                 miss_of(wide(body.translation()) + rot * touched.local_com)
             }
             Answer::Constrained if !on_joints && !holds => miss_of(wide(body.center_of_mass())),

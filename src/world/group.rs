@@ -26,8 +26,8 @@ pub(super) struct Touched {
     pub at: (DVec3, DQuat),
     /// The body's centre of mass in its own frame \[m\].
     pub local_com: DVec3,
-    /// Whether it has come to what it can press on in this step.
-    pub arrives: bool,
+    /// The set of bodies with which it lands in this step, if it does, see [`super::landing`].
+    pub lands: Option<BodyKey>,
 }
 
 /// A body that has been handed its first part and waits for the rest.
@@ -42,6 +42,8 @@ pub(super) struct Waiting {
     pub holds: bool,
     /// Whether it touches a deformable of a group that something leads, or that something moves with.
     pub led: bool,
+    /// Whether it was put where its shadow has landed.
+    pub landed: bool,
 }
 
 /// A sortable key of a body.
@@ -93,7 +95,7 @@ impl Origins<'_> {
             start,
             at,
             local_com: wide(body.local_center_of_mass()),
-            arrives: false,
+            lands: None,
         });
         group.shadows.push(start);
         group.shadows.len() as u32 - 1

@@ -23,6 +23,7 @@ mod into;
 mod kinematic;
 mod known;
 mod laden;
+mod landing;
 mod meet;
 mod mend;
 mod motion;

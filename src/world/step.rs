@@ -2,12 +2,12 @@
 //! advanced, then Rapier steps, then rigid bodies get the rest of their impulses.
 
 use super::advance::{Advance, Moving};
-use super::group::{Ends, Waiting};
+use super::group::Ends;
 use super::kinematic::KinematicTargets;
 use super::observer::Observer;
 use super::reach::Search;
 use super::substep::{NEAR, Settings};
-use super::{DeformableWorld, RapierParts, reach};
+use super::{DeformableWorld, RapierParts, landing, reach};
 use crate::contact::form::Form;
 use crate::coupling::handover;
 use crate::coupling::memory::BodyMemory;
@@ -259,35 +259,31 @@ impl DeformableWorld {
         self.steps += 1;
         let mut ends = Ends::new();
         let held = self.held();
-        for Waiting {
-            touched,
-            end,
-            pending,
-            near,
-            holds,
-            led,
-        } in std::mem::take(&mut self.waiting)
-        {
-            ends.insert(touched.body.into_raw_parts(), (end.com, end.rot));
-            let sleeping = parts.bodies.get(touched.body);
-            let sleeping = sleeping.is_some_and(|b| b.is_sleeping());
+        let mut waiting = std::mem::take(&mut self.waiting);
+        for w in &waiting {
+            let (body, end) = (w.touched.body, &w.end);
+            ends.insert(body.into_raw_parts(), (end.com, end.rot));
+            let sleeping = parts.bodies.get(body).is_some_and(|b| b.is_sleeping());
             let memory = self
                 .memory
-                .entry(touched.body.into_raw_parts())
+                .entry(body.into_raw_parts())
                 .or_insert_with(|| BodyMemory::first_seen(sleeping));
             memory.seen = self.steps;
-            memory.near = near;
+            memory.near = w.near;
             memory.feel(end.impulse, dt);
             // Asleep it would not be lifted, and the node that it holds stay where it is; or a deformable on its way be held up.
-            if holds || led {
-                parts.islands.wake_up(parts.bodies, touched.body, true);
+            if w.holds || w.led {
+                parts.islands.wake_up(parts.bodies, body, true);
             }
-            if pending.is_something()
-                && let Some(body) = parts.bodies.get_mut(touched.body)
+            if w.pending.is_something()
+                && let Some(body) = parts.bodies.get_mut(body)
             {
-                self.report.coupling_defect += handover::after_step(body, &pending, &end, memory);
+                self.report.coupling_defect += handover::after_step(body, &w.pending, end, memory);
             }
-            self.leave_shadow(parts, &touched, &end, &held, dt);
+        }
+        landing::land(parts.bodies, &mut waiting);
+        for w in &waiting {
+            self.leave_shadow(parts, w, &held, dt);
         }
         self.follow_rigid_bodies(parts, &ends);
         self.watch_sleepers(parts, dt);

@@ -73,18 +73,22 @@ impl<'a> Decoder<'a> {
 
     /// Tells what is wrong at a place. The message is made only if it is still listed.
     pub fn wrong(&mut self, at: Place, what: impl FnOnce(&Self) -> String) {
-        if self.problems.len() == MOST {
+        if self.is_full() {
             self.more += 1;
-            return;
+        } else {
+            let what = what(self);
+            self.list(at, what);
         }
-        let problem = Problem {
+    }
+
+    fn list(&mut self, at: Place, what: String) {
+        self.problems.push(Problem {
             file: self.files.get(at.file).cloned().unwrap_or_default(),
             line: at.line,
             column: at.column,
             key: self.key.concat().trim_start_matches('.').to_owned(),
-            what: what(self),
-        };
-        self.problems.push(problem);
+            what,
+        });
     }
 
     /// Whether as much is wrong as is listed: then no more is looked for in lists.

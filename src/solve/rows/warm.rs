@@ -9,13 +9,13 @@ use super::climb::Climb;
 use super::composite::Composites;
 use super::pass::Pass;
 use super::{Row, Term, Terms, Tie};
-use crate::math::DVec3;
+use crate::math::{DVec3, Disjoint};
 
 /// Nodes that rows hold together, and how far down the warm start of each such cluster leads.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Clusters {
-    /// Per node, another one of its cluster, or itself.
-    parent: Vec<u32>,
+    /// Of nodes.
+    sets: Disjoint,
     /// Per node that stands for its cluster.
     climbs: Vec<Climb>,
 }
@@ -28,15 +28,14 @@ impl Clusters {
         (ties, composites): (&[Tie], &Composites),
         terms: &[Term],
     ) {
-        self.parent.clear();
-        self.parent.extend(0..nodes as u32);
+        self.sets.restart(nodes);
         self.climbs.clear();
         self.climbs.resize(nodes, Climb::default());
         let all = contacts.iter().map(|r| r.terms);
         for of_row in all.chain(ties.iter().map(|t| t.terms)) {
             if let [first, others @ ..] = &terms[of_row.range()] {
                 for other in others {
-                    self.join(first.node, other.node);
+                    self.sets.join(first.node, other.node);
                 }
             }
         }
@@ -44,37 +43,22 @@ impl Clusters {
         // A node that is tied gives way as the composite does, to all that presses on any part of it.
         for (one, next) in composites.neighbours() {
             if let (Some(a), Some(b)) = (node(one), node(next)) {
-                self.join(a, b);
+                self.sets.join(a, b);
             }
         }
         for row in contacts {
             let tie = composites.of_shadow(row.shadow);
             let first = terms[row.terms.range()].first().map(|t| t.node);
             if let (Some(a), Some(b)) = (first, tie.and_then(node)) {
-                self.join(a, b);
+                self.sets.join(a, b);
             }
         }
-    }
-
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.parent[a.max(b) as usize] = a.min(b);
     }
 
     /// Of the cluster of a row.
     fn climb(&mut self, of_row: Terms, terms: &[Term]) -> &mut Climb {
         let node = terms[of_row.range()].first().map_or(0, |t| t.node);
-        let root = self.root(node);
-        &mut self.climbs[root as usize]
-    }
-
-    fn root(&mut self, mut node: u32) -> u32 {
-        while self.parent[node as usize] != node {
-            let above = self.parent[self.parent[node as usize] as usize];
-            self.parent[node as usize] = above;
-            node = above;
-        }
-        node
+        &mut self.climbs[self.sets.of(node) as usize]
     }
 }
 

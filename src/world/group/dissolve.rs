@@ -65,10 +65,10 @@ impl DeformableWorld {
                 continue;
             }
             let end = if finite { *end } else { touched.start };
-            let pushed = end.given() != Default::default();
+            let answers = end.given() != Default::default() || touched.lands.is_some();
             let mut pending = Pending::nothing();
-            if pushed && touched.answer != Answer::None {
-                // Only what is pushed: Rapier takes whom it is asked for as changed.
+            if answers && touched.answer != Answer::None {
+                // Only these: Rapier takes whom it is asked for as changed.
                 let Some(body) = parts.bodies.get_mut(touched.body) else {
                     continue;
                 };
@@ -89,6 +89,7 @@ impl DeformableWorld {
                 near,
                 holds,
                 led: near && led,
+                landed: false,
             });
         }
     }

@@ -5,7 +5,7 @@ use crate::contact::candidates::Candidates;
 use crate::contact::target::Target;
 use crate::coupling::constraints::RigidConstraints;
 use crate::coupling::observe::Surroundings;
-use crate::math::{DVec3, wide};
+use crate::math::{DVec3, Disjoint, wide};
 use crate::world::meet::Meeting;
 use crate::world::observer::Partner;
 use crate::world::reach::{self, Search};
@@ -189,13 +189,7 @@ impl DeformableWorld {
         constraints: &RigidConstraints,
         around: &Surroundings,
     ) -> Vec<usize> {
-        let mut parent: Vec<usize> = (0..reaches.len()).collect();
-        fn root(parent: &[usize], mut i: usize) -> usize {
-            while parent[i] != i {
-                i = parent[i];
-            }
-            i
-        }
+        let mut sets = Disjoint::new(reaches.len());
         let mut first: BTreeMap<BodyKey, usize> = BTreeMap::new();
         for (i, reach) in reaches.iter().enumerate() {
             for body in self.touched_by(reach) {
@@ -211,8 +205,7 @@ impl DeformableWorld {
                     }
                 };
                 for other in others {
-                    let (a, b) = (root(&parent, i), root(&parent, other));
-                    parent[a.max(b)] = a.min(b);
+                    sets.join(i as u32, other as u32);
                 }
             }
             for handle in &reach.attachments {
@@ -222,16 +215,15 @@ impl DeformableWorld {
                 };
                 // They are in the order of the set.
                 if let Ok(other) = reaches.binary_search_by_key(&to.key(), |r| r.handle.key()) {
-                    let (a, b) = (root(&parent, i), root(&parent, other));
-                    parent[a.max(b)] = a.min(b);
+                    sets.join(i as u32, other as u32);
                 }
             }
         }
-        for meeting in meetings {
-            let [a, b] = meeting.map(|i| root(&parent, i));
-            parent[a.max(b)] = a.min(b);
+        for [a, b] in meetings {
+            sets.join(*a as u32, *b as u32);
         }
-        (0..reaches.len()).map(|i| root(&parent, i)).collect()
+        let numbers = 0..reaches.len() as u32;
+        numbers.map(|i| sets.of(i) as usize).collect()
     }
 
     /// The bodies that a deformable can touch or is attached to.

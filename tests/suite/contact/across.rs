@@ -102,15 +102,26 @@ fn deepest(
     worst
 }
 
-/// Symptom: some sank up to 3 cm into all but the first two, for want of what is between their edges or beside them.
 #[test]
 fn what_slides_off_an_edge_stays_outside() {
+    slide_off(9);
+}
+
+#[test]
+#[ignore = "long: 5,040 ropes"]
+fn whatever_slides_off_an_edge_stays_outside() {
+    slide_off(1);
+}
+
+/// Every so manieth way off each box. Symptom: some sank up to 3 cm into all but the first two, for want of what is between their
+/// edges or beside them.
+fn slide_off(every: usize) {
     let yaws = [-1.2, -0.8, -0.4, 0.0, 0.4, 0.8, 1.2];
     let slopes = [-0.3, -0.1, 0.1, 0.3];
     let shifts = [-0.28, -0.16, -0.04, 0.08, 0.2];
     for (name, shape, radius) in boxes() {
         for (n, friction) in [(2, 0.0), (6, 0.0), (2, 0.5), (6, 0.5)] {
-            for i in 0..140 {
+            for i in (n % every..140).step_by(every) {
                 let way = [yaws[i % 7], slopes[i / 7 % 4], shifts[i / 28]];
                 let depth = deepest((&shape, radius), n, way, friction);
                 assert!(

@@ -179,6 +179,12 @@ fn shoot(count: usize) {
 }
 
 #[test]
+fn nodes_stay_on_their_side_of_each_plate() {
+    shoot(400);
+}
+
+#[test]
+#[ignore = "long: ten thousand nodes per plate"]
 fn ten_thousand_nodes_stay_on_their_side_of_each_plate() {
     shoot(2500);
 }

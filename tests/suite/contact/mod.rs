@@ -14,6 +14,7 @@ mod ridges;
 mod seams;
 mod shapes;
 mod shots;
+mod slabs;
 mod slides;
 mod spinning;
 mod squeezed;

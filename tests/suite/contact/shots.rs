@@ -74,11 +74,10 @@ fn shoot(
     (through, most)
 }
 
-/// Of these 648 shots 27 went through while the side of a fold was told by its normal, boxes had no edges over twisted faces, balls
+/// Of 648 such shots 27 went through while the side of a fold was told by its normal, boxes had no edges over twisted faces, balls
 /// touched them by the normal of their middle, and what had slid under a face from beside it was let go. Of cubes that are meshes
 /// one in seven did while those were no solids.
-#[test]
-fn what_tumbles_is_caught_by_a_coarse_sheet() {
+fn tumble(masses: &[f32], frictions: &[f32]) {
     let mut random = Random(7);
     let mut through = Vec::new();
     for name in [
@@ -86,8 +85,8 @@ fn what_tumbles_is_caught_by_a_coarse_sheet() {
     ] {
         for speed in [5.0, 15.0, 40.0] {
             for cells in [5, 10, 20] {
-                for mass in [0.05, 0.3, 2.0] {
-                    for friction in [0.0, 0.25, 0.5, 1.0] {
+                for &mass in masses {
+                    for &friction in frictions {
                         let collider = shape(name).mass(mass);
                         let (gone, gain) = shoot(collider, (speed, cells), friction, &mut random);
                         let shot = format!(
@@ -104,6 +103,17 @@ fn what_tumbles_is_caught_by_a_coarse_sheet() {
     }
     // A capsule and a mesh do, both at 40 m/s.
     assert!(through.len() <= 2, "{through:#?}");
+}
+
+#[test]
+fn what_tumbles_is_caught_by_a_coarse_sheet() {
+    tumble(&[0.3], &[0.0, 0.5]);
+}
+
+#[test]
+#[ignore = "long: 756 shots"]
+fn whatever_tumbles_is_caught_by_a_coarse_sheet() {
+    tumble(&[0.05, 0.3, 2.0], &[0.0, 0.25, 0.5, 1.0]);
 }
 
 /// The middle of the box around a tetrahedron with a right-angled corner lies beyond its slanted facet. While that was taken for the
