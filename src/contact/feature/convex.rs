@@ -13,8 +13,10 @@ use crate::contact::touches::Touches;
 use crate::math::DVec3;
 use crate::solve::rows::Rows;
 
-/// A convex part rounder than this many spacings needs no feature contacts: an edge dips into it by a fiftieth of its length.
-const ROUND: f64 = 6.0;
+/// A convex part rounder than this many spacings needs no feature contacts: an edge dips into it by a two-hundredth of its length. What
+/// rolls or slides over stiff nodes alone hops from one to the next, and loses a share of its energy on the way of one radius that is
+/// a quarter of the spacing over the radius: a hundredth from here on.
+const ROUND: f64 = 24.0;
 
 /// Faces and edges of one body near the convex parts of one target.
 #[derive(Clone, Debug)]

@@ -220,7 +220,7 @@ impl Making<'_, '_> {
         let normal = across * 1.0_f64.copysign(across.dot(side));
         let slid_on = last.is_some();
         let can_push = |flanks: [DVec3; 2], way| can_push(flanks, way, touched || slid_on);
-        if can_push(flanks, -normal) && can_push(edge.flanks(), normal) {
+        if can_push(flanks, -normal) && can_push(edge.flanks(), normal) && edge.stands_out(normal) {
             let distance = way.dot(normal);
             // About as deep as what it has slid on from: else that is beyond a thin part.
             let slid = || {

@@ -91,6 +91,13 @@ impl Edge {
         [self.normals[0].cross(along), along.cross(self.normals[1])]
     }
 
+    /// Whether it stands out along a direction, as the border of one facet does along any: in a valley it is the facets that are
+    /// touched. On which side of a slight bend a taut edge is that lies on it, rounding tells.
+    pub fn stands_out(&self, direction: DVec3) -> bool {
+        let [a, b] = self.flanks();
+        a == DVec3::ZERO || b == DVec3::ZERO || (a + b).dot(direction) <= 0.0
+    }
+
     /// Sine of the angle by which its facets bend, 1 from a right angle on and where it is free.
     pub fn bend(&self) -> f64 {
         let [a, b] = self.normals;

@@ -12,6 +12,8 @@ use crate::math::DVec3;
 pub const LIFT: f64 = 1.0e-7;
 /// How far before a hit on a seam one looks which facet is really in the way \[m\].
 const BACK: f64 = 1.0e-6;
+/// How far the middle of a facet lies behind the plane of its neighbour to fall away from it, per size.
+const FALLS: f64 = 1.0e-4;
 
 /// A plane that something must stay in front of.
 #[derive(Clone, Copy, Debug, Default)]
@@ -89,6 +91,7 @@ fn first(near: &Near, from: DVec3, to: DVec3, layer: f64) -> Option<Plane> {
     for (slot, patch) in near.iter() {
         if let Some(crossing) = patch.crossing(from, to)
             && through.is_none_or(|(_, best)| crossing.t < best.t)
+            && !is_over_ridge(near, [from, to], slot, crossing)
         {
             through = Some((slot, crossing));
         }
@@ -121,6 +124,26 @@ pub fn inner_rim(near: &Near, p: DVec3, q: DVec3, distance: f64) -> bool {
     let nearer = (distance - super::near::SAME).max(0.0).powi(2);
     near.iter()
         .any(|(_, patch)| patch.foot(p).distance2 < nearer && patch.foot(q).distance2 < touching)
+}
+
+/// Whether a way meets a facet at a seam with another one, in front of which it stays, and from which that falls away: over a ridge it is
+/// outside of both. What comes along the plane of the far one, as a taut rope does, is before it or behind it by rounding.
+fn is_over_ridge(near: &Near, [from, to]: [DVec3; 2], slot: u32, crossing: Crossing) -> bool {
+    if crossing.inner {
+        return false;
+    }
+    let back = (BACK / (to - from).length()).min(crossing.t);
+    let x = from + (to - from) * (crossing.t - back);
+    let Some(nearest) = near.nearest(x).filter(|nearest| nearest.face) else {
+        return false;
+    };
+    let patch = &near.patches[slot as usize];
+    let falls = |normal: DVec3| {
+        let middle = patch.a + (patch.ab + patch.ac) / 3.0;
+        normal.dot(middle - nearest.point) < -FALLS * patch.size
+    };
+    let is_before = |normal: DVec3| normal.dot(to - nearest.point) > 0.0 && falls(normal);
+    nearest.slot != slot && near.direction(x, &nearest).is_some_and(is_before)
 }
 
 /// The plane that stops a way through facet `slot`: its own, or on a seam the one that is right for all facets there.

@@ -155,7 +155,8 @@ impl Stand {
             }
         }
         let point = nearest.point;
-        let doubtful = nearest.distance <= SAME;
+        // So near a rim it is rounding, of the node's place as well, that says in which direction it is.
+        let doubtful = nearest.distance <= if nearest.face { SAME } else { LIFT };
         if near.oriented && !doubtful && near.behind(p, nearest) {
             let out = near.direction(p, nearest).unwrap_or(DVec3::ZERO);
             let normal = -out;

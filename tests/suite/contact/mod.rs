@@ -19,6 +19,7 @@ mod slides;
 mod spinning;
 mod squeezed;
 mod surface;
+mod tubes;
 mod yielding;
 
 pub use crate::support::Random;

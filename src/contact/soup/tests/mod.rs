@@ -6,6 +6,7 @@ mod fast;
 mod flat;
 mod limits;
 mod overhang;
+mod ridge;
 mod side;
 mod timing;
 
