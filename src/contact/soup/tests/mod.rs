@@ -6,7 +6,6 @@ mod fast;
 mod flat;
 mod limits;
 mod overhang;
-mod ridge;
 mod side;
 mod timing;
 
