@@ -100,7 +100,8 @@ pub struct Pushed {
 impl Pushed {
     /// Whether it lies beside the solid, although that would push it in this substep: its normal is slanted, see `is_slanted`, and in some
     /// direction in which its surface can be pushed no point of the solid reaches over it by more than what counts as shallow, nor
-    /// does after the `way` of this point relative to that one \[m\] while the solid makes its `turn` \[rad\]. Then it is a face beside
+    /// does after the `way` of this point relative to that one \[m\] while the solid makes its `turn` \[rad\], or it passes below the rim of what
+    /// would push it, see [`Self::passes_rim`]. Then it is a face beside
     /// the point that is touched, if anything is, and a normal force at the point would brake what slides there and turn what rolls:
     /// a cube that slides over a flat sheet does not meet the edges ahead with its side, nor does a ball. What touched bears something
     /// as yet, and must be slanted more to be left.
@@ -153,9 +154,7 @@ impl Pushed {
         });
         beside
     }
-}
 
-impl Pushed {
     /// Whether its surface, nearly flat here, goes straight into what would push it and comes out beyond the rim of that: behind the face
     /// that would push, it is outside of the solid. However it bends farther on, and whatever comes down on it: the rim meets it first.
     fn passes_rim(&self, solid: &Solid, reach: &Reach, cone: &[DVec3]) -> bool {

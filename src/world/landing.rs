@@ -102,9 +102,8 @@ pub(super) fn land(bodies: &mut RigidBodySet, waiting: &mut [Waiting]) {
         }
     }
     for w in waiting {
-        let (off, given) = match w.touched.lands.and_then(|set| sets.get(&set)) {
-            Some(sums) => *sums,
-            None => continue,
+        let Some(&(off, given)) = w.touched.lands.and_then(|set| sets.get(&set)) else {
+            continue;
         };
         w.landed = off <= LANDED * LANDED * given;
         if w.landed

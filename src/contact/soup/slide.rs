@@ -5,7 +5,7 @@
 //! met count: the infinite plane of a facet stops nobody beyond its border.
 
 use super::crossing::Crossing;
-use super::near::Near;
+use super::near::{Near, Nearest};
 use crate::math::DVec3;
 
 /// How far from a surface points that must be on its right side are kept \[m\].
@@ -132,40 +132,40 @@ fn is_over_ridge(near: &Near, [from, to]: [DVec3; 2], slot: u32, crossing: Cross
     if crossing.inner {
         return false;
     }
-    let back = (BACK / (to - from).length()).min(crossing.t);
-    let x = from + (to - from) * (crossing.t - back);
-    let Some(nearest) = near.nearest(x).filter(|nearest| nearest.face) else {
+    let Some((nearest, plane)) = just_before(near, [from, to], crossing) else {
         return false;
     };
     let patch = &near.patches[slot as usize];
-    let falls = |normal: DVec3| {
-        let middle = patch.a + (patch.ab + patch.ac) / 3.0;
-        normal.dot(middle - nearest.point) < -FALLS * patch.size
-    };
-    let is_before = |normal: DVec3| normal.dot(to - nearest.point) > 0.0 && falls(normal);
-    nearest.slot != slot && near.direction(x, &nearest).is_some_and(is_before)
+    let middle = patch.a + (patch.ab + patch.ac) / 3.0;
+    let falls = plane.height(middle) < -FALLS * patch.size;
+    nearest.face && nearest.slot != slot && plane.height(to) > 0.0 && falls
+}
+
+/// What is nearest just before a way crosses a facet, and the plane there, to the side of the way.
+fn just_before(
+    near: &Near,
+    [from, to]: [DVec3; 2],
+    crossing: Crossing,
+) -> Option<(Nearest, Plane)> {
+    let way = to - from;
+    let back = (BACK / way.length()).min(crossing.t);
+    let x = from + way * (crossing.t - back);
+    let nearest = near.nearest(x)?;
+    let normal = near.direction(x, &nearest)?;
+    let point = nearest.point;
+    Some((nearest, Plane { point, normal }))
 }
 
 /// The plane that stops a way through facet `slot`: its own, or on a seam the one that is right for all facets there.
 fn at_crossing(near: &Near, from: DVec3, to: DVec3, slot: u32, crossing: Crossing) -> Plane {
-    let way = to - from;
-    if !crossing.inner {
-        let back = (BACK / way.length()).min(crossing.t);
-        let x = from + way * (crossing.t - back);
-        if let Some(nearest) = near.nearest(x)
-            && let Some(normal) = near.direction(x, &nearest)
-        {
-            let plane = Plane {
-                point: nearest.point,
-                normal,
-            };
-            if plane.height(to) <= 0.0 {
-                return plane;
-            }
-        }
+    if !crossing.inner
+        && let Some((_, plane)) = just_before(near, [from, to], crossing)
+        && plane.height(to) <= 0.0
+    {
+        return plane;
     }
     Plane {
-        point: from + way * crossing.t,
+        point: from + (to - from) * crossing.t,
         normal: near.patches[slot as usize].normal * crossing.side,
     }
 }
