@@ -100,11 +100,10 @@ pub struct Pushed {
 impl Pushed {
     /// Whether it lies beside the solid, although that would push it in this substep: its normal is slanted, see `is_slanted`, and in some
     /// direction in which its surface can be pushed no point of the solid reaches over it by more than what counts as shallow, nor
-    /// does after the `way` of this point relative to that one \[m\] while the solid makes its `turn` \[rad\], or it passes below the rim of what
-    /// would push it, see [`Self::passes_rim`]. Then it is a face beside
-    /// the point that is touched, if anything is, and a normal force at the point would brake what slides there and turn what rolls:
-    /// a cube that slides over a flat sheet does not meet the edges ahead with its side, nor does a ball. What touched bears something
-    /// as yet, and must be slanted more to be left.
+    /// does after the `way` of this point relative to that one \[m\] while the solid makes its `turn` \[rad\], or it passes below the
+    /// rim of what would push it, see `passes_rim`. Then it is a face beside the point that is touched, if anything is, and a normal
+    /// force at the point would brake what slides there and turn what rolls: a cube that slides over a flat sheet does not meet the
+    /// edges ahead with its side, nor does a ball. What touched bears something as yet, and must be slanted more to be left.
     ///
     /// `cone` are unit directions of the surface away from the point, 0 for what is not there; more than 16 are not looked at.
     pub fn lies_beside<I: Iterator<Item = DVec3>>(
