@@ -116,13 +116,60 @@ fn weighed(id: usize, node: &Node) -> Result<(), BuildError> {
     }
 }
 
+/// Gives a spring what its material makes of its section, but for limits and damping that it was given itself.
 fn apply(material: &Material, spring: &mut Spring, length: Real) {
     let section = spring.section;
-    spring.stiffness = of_section(material.young, section, length);
-    spring.damping = of_section(material.viscosity, section, length);
-    spring.yield_tension = material.yield_tension * section;
-    spring.yield_compression = material.yield_compression * section;
-    spring.hardening = of_section(material.hardening, section, length);
-    spring.break_force = material.strength * section;
-    spring.break_strain = material.break_strain;
+    let of_length = |per_strain| of_section(per_strain, section, length);
+    spring.stiffness = of_length(material.young);
+    if spring.damping == 0.0 {
+        spring.damping = of_length(material.viscosity);
+    }
+    if spring.yield_tension.is_infinite() && spring.yield_compression.is_infinite() {
+        spring.yield_tension = material.yield_tension * section;
+        spring.yield_compression = material.yield_compression * section;
+        spring.hardening = of_length(material.hardening);
+    }
+    if spring.break_force.is_infinite() {
+        spring.break_force = material.strength * section;
+    }
+    if spring.break_strain.is_infinite() {
+        spring.break_strain = material.break_strain;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shape;
+
+    /// Symptom: springs of a sheet that were given a break force never broke. Cause: the material's strength took its place.
+    #[test]
+    fn what_a_spring_was_given_it_keeps() {
+        let mut net = shape::rope(Vector::ZERO, Vector::X, 5, 1e-4).unwrap();
+        let material = Material {
+            strength: 1e6,
+            break_strain: 0.3,
+            ..Material::elastic(1e6, 500.0).viscosity(1e3)
+        };
+        net.springs[1] = net.springs[1].breaking(5.0).damping(2.0);
+        net.springs[2] = net.springs[2].yielding(3.0, 7.0);
+        net.springs[3].break_strain = 0.1;
+        let springs = Blueprint::resolve(net, |_| Some(material), None).unwrap();
+        let [first, broken, flowing, brittle, _] = springs.springs[..] else {
+            panic!("five springs");
+        };
+        assert_eq!((broken.break_force, broken.damping), (5.0, 2.0));
+        let flow = |s: &Spring| (s.yield_tension, s.yield_compression, s.hardening);
+        assert_eq!(flow(&flowing), (3.0, 3.0, 7.0));
+        assert_eq!(brittle.break_strain, 0.1);
+        for other in [&flowing, &brittle] {
+            assert_eq!(other.break_force, first.break_force);
+            assert_eq!(other.damping, first.damping);
+        }
+        assert_eq!(flow(&first), flow(&brittle));
+        assert_eq!(broken.break_strain, 0.3);
+        for spring in [first, broken, flowing, brittle] {
+            assert_eq!(spring.stiffness, first.stiffness);
+        }
+    }
 }

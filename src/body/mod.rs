@@ -16,6 +16,7 @@ pub mod shape;
 pub mod solid;
 pub mod state;
 pub mod surface;
+pub(crate) mod tears;
 pub mod tets;
 pub mod topology;
 

@@ -104,7 +104,7 @@ impl Spring {
         }
     }
 
-    /// A bar of `section` m² whose constants come from a material.
+    /// A bar of `section` m² whose constants come from a material, but for damping and limits that it is given besides.
     pub fn of_section(a: u32, b: u32, section: Real) -> Self {
         Self {
             section,

@@ -2,6 +2,7 @@
 
 use super::Blueprint;
 use super::adjacency::Adjacency;
+use super::tears::Torn;
 use crate::math::{DVec3, wide};
 use std::collections::BTreeMap;
 
@@ -35,7 +36,9 @@ pub type Wing = [u32; 2];
 pub struct Topology {
     /// Triangles over the nodes, and flat quads where two of them make one: a triangle of a quad would lean to its diagonal.
     pub faces: Vec<Face>,
-    /// Each edge of a face once, but for the diagonals of flat quads: whatever lies across a diagonal lies across two sides.
+    /// Per face of the blueprint which of these it is, or is half of.
+    pub part_of: Vec<u32>,
+    /// Each edge of a face once, in ascending order, but for the diagonals of flat quads: whatever lies across a diagonal lies across two sides.
     /// Of a body without faces, its springs.
     pub edges: Vec<[u32; 2]>,
     /// The faces to the left and to the right of each edge, seen from outside, by the next node from either end: of a triangle
@@ -51,9 +54,16 @@ pub struct Topology {
     pub oriented: bool,
     /// Mean length of the edges at rest \[m\].
     pub spacing: f64,
+    /// What of it is torn: it is there for nobody any more.
+    pub torn: Torn,
 }
 
 impl Topology {
+    /// Whether a face of the blueprint is torn.
+    pub fn is_torn(&self, face: u32) -> bool {
+        self.torn.any() && self.torn.face(self.part_of[face as usize])
+    }
+
     /// The topology of a blueprint.
     pub fn of(blueprint: &Blueprint) -> Self {
         let at = |node: u32| wide(blueprint.nodes[node as usize].position);
@@ -86,6 +96,7 @@ impl Topology {
             .map(|f| Some(Face::Triangle(*f)))
             .collect();
         let mut edges = Vec::with_capacity(sides.len());
+        let mut halves: Vec<usize> = (0..faces.len()).collect();
         let mut at_edges = Vec::with_capacity(sides.len());
         // By triangle.
         let mut quads: Vec<Option<[u32; 4]>> = vec![None; faces.len()];
@@ -98,6 +109,7 @@ impl Topology {
                 Some((first, second, nodes)) => {
                     faces[first] = Some(Face::Quad(nodes));
                     faces[second] = None;
+                    halves[second] = first;
                     quads[first] = Some(nodes);
                     quads[second] = Some(nodes);
                 }
@@ -113,8 +125,18 @@ impl Topology {
         let around = (!blueprint.faces.is_empty())
             .then(|| Adjacency::new(blueprint.nodes.len(), (0..).zip(edges.iter().copied())));
         let total: f64 = edges.iter().map(|&[a, b]| at(a).distance(at(b))).sum();
+        let mut count = 0;
+        let numbers: Vec<u32> = faces
+            .iter()
+            .map(|face| {
+                count += u32::from(face.is_some());
+                count.saturating_sub(1)
+            })
+            .collect();
         Self {
+            part_of: halves.into_iter().map(|half| numbers[half]).collect(),
             faces: faces.into_iter().flatten().collect(),
+            torn: Torn::default(),
             spacing: total / edges.len().max(1) as f64,
             edges,
             wings,

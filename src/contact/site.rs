@@ -109,9 +109,11 @@ impl Side<'_> {
     pub fn around(&self, point: u32, frame: &Frame) -> impl Iterator<Item = DVec3> + use<'_> {
         let edges = self.topology.around.as_ref();
         let edges = edges.map_or(&[][..], |around| around.at(point));
+        let torn = &self.topology.torn;
+        let edges = edges.iter().filter(|(edge, _)| !torn.edge(*edge));
         let (frame, start) = (*frame, frame.to_local(self.state, point));
         let along = move |&(_, other): &(u32, u32)| frame.to_local(self.state, other) - start;
-        edges.iter().map(along).map(DVec3::normalize_or_zero)
+        edges.map(along).map(DVec3::normalize_or_zero)
     }
 
     /// The box around its points in a frame \[m\].

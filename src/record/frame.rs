@@ -62,7 +62,7 @@ impl Frame {
             };
             let blueprint = body.blueprint();
             let (strain, triangles) = match &blueprint.skin {
-                None => (nodes, blueprint.faces.clone()),
+                None => (nodes, body.whole_faces().collect()),
                 Some(skin) => {
                     let of = skin.bindings.iter().map(|b| {
                         // Weights of a vertex outside its cell may be negative, strain may not.

@@ -7,6 +7,7 @@ use super::sleep::Sleep;
 use super::steady::Steadiness;
 use super::subset::Incident;
 use crate::body::search::tree::Cache;
+use crate::body::tears::Seams;
 use crate::body::{Blueprint, Embedded, NodeId, SpringId, State, Topology};
 use crate::contact::encounter::outline::Outline;
 use crate::contact::target::Surface;
@@ -25,6 +26,8 @@ pub struct Deformable {
     /// Made when it first meets another deformable.
     pub(super) outline: Option<Box<Outline>>,
     pub(super) topology: Arc<Topology>,
+    /// Made when its first spring breaks.
+    pub(super) seams: Option<Arc<Seams>>,
     /// What touches in their place.
     pub(super) embedded: Option<Box<Embedded>>,
     pub(super) gravity_scale: Real,
@@ -259,6 +262,13 @@ impl Deformable {
     pub fn skin_triangles(&self) -> &[[u32; 3]] {
         let skin = self.blueprint.skin.as_ref();
         skin.map_or(&self.blueprint.faces, |skin| &skin.triangles)
+    }
+
+    /// The faces between its nodes that are not torn, see [`Self::is_torn`].
+    pub fn whole_faces(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
+        let faces = (0..).zip(&self.blueprint.faces);
+        let whole = faces.filter(|(face, _)| !self.topology.is_torn(*face));
+        whole.map(|(_, nodes)| *nodes)
     }
 
     /// Length of the last substep taken \[s\]; 0 before the first step.

@@ -157,6 +157,7 @@ impl DeformableWorld {
                 let body = &mut group.members[i].1;
                 if body.outline.is_none() {
                     body.outline = Some(Box::new(Outline::new(body.contact_blueprint())));
+                    body.tear_outline();
                 }
             }
             let bodies = [a, b].map(|i| &group.members[i].1);

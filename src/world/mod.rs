@@ -48,6 +48,7 @@ mod step;
 mod stir;
 mod subset;
 mod substep;
+mod tears;
 mod ties;
 mod touch;
 mod work;

@@ -326,6 +326,9 @@ impl Deformable {
         self.edits += 1;
         self.rebuild_table();
         self.solver.forget_forces();
+        if self.topology.torn.any() {
+            self.tear_anew();
+        }
     }
 
     /// Back to the start of the rigid step, at rest, out of the simulation.

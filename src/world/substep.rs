@@ -302,6 +302,7 @@ impl Group {
 
     fn report(&mut self, h: f64, time: f64, observer: &mut dyn Observer) {
         for (handle, body) in &mut self.members {
+            body.tear();
             let Deformable {
                 solver,
                 state,

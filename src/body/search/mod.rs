@@ -6,7 +6,7 @@ pub(crate) mod tree;
 
 pub(crate) use overlap::overlap;
 
-use super::{Blueprint, NodeId, SpringId, State};
+use super::{Blueprint, NodeId, SpringId, State, Topology};
 use crate::math::{DVec3, Real};
 use closest::{on_segment, on_triangle, ray_capsule, ray_triangle, volumes};
 use tree::{Bounds, Tree};
@@ -36,6 +36,7 @@ pub struct SurfacePoint {
 /// A search through one body as it stands.
 pub(crate) struct Search<'a> {
     pub blueprint: &'a Blueprint,
+    pub topology: &'a Topology,
     pub state: &'a State<Real>,
     pub tree: &'a Tree,
     /// Of the nodes \[m\].
@@ -62,10 +63,10 @@ impl Search<'_> {
         self.blueprint.faces.is_empty()
     }
 
-    /// What a leaf of the tree is; `None` for a broken spring and a node that some spring holds.
+    /// What a leaf of the tree is; `None` for a torn face, a broken spring, and a node that some spring holds.
     pub fn feature(&self, leaf: u32) -> Option<Feature> {
         if !self.is_lines() {
-            return Some(Feature::Face(leaf));
+            return (!self.topology.is_torn(leaf)).then_some(Feature::Face(leaf));
         }
         match self.state.broken.get(leaf as usize) {
             Some(broken) => (!broken).then_some(Feature::Spring(SpringId(leaf))),

@@ -7,10 +7,14 @@ use crate::math::DVec3;
 /// couple are shortened: that is not whole then.
 const LONGEST: f64 = 1.0;
 
+/// Sine of the angle between an element and the normal below which it can't take a couple across that: what is left of it is
+/// rounding.
+const SEEN: f64 = 1e-6;
+
 /// Those of the corners of an element that an impulse acts beside, `gap` m away along the normal. An element with two corners
 /// in one place is an edge, which takes couples across it alone.
 pub fn of_face([a, b, c]: [DVec3; 3], normal: DVec3, gap: f64) -> [DVec3; 3] {
-    let flat = |d: DVec3| d - normal * d.dot(normal);
+    let flat = |d| flat(d, normal);
     let (u, v) = (flat(b - a), flat(c - a));
     let [to_b, to_c] = if v == DVec3::ZERO || c == b {
         [u / u.length_squared(), DVec3::ZERO]
@@ -22,7 +26,7 @@ pub fn of_face([a, b, c]: [DVec3; 3], normal: DVec3, gap: f64) -> [DVec3; 3] {
 
 /// Those of the second ends of two edges that cross; the first ends have the opposite ones.
 pub fn of_edges([a, b]: [DVec3; 2], [c, d]: [DVec3; 2], found: &Crossing) -> [DVec3; 2] {
-    let flat = |d: DVec3| d - found.normal * d.dot(found.normal);
+    let flat = |d| flat(d, found.normal);
     shortened(dual(flat(b - a), flat(d - c)).map(|l| l * found.gap))
 }
 
@@ -30,16 +34,26 @@ pub fn of_edges([a, b]: [DVec3; 2], [c, d]: [DVec3; 2], found: &Crossing) -> [DV
 /// on its surface acts so far from its axis. A rope can't be turned about that: if what it meets took the rope's couple
 /// too, it would give way to friction as if it could roll round the rope's axis.
 pub fn of_spring([a, b]: [DVec3; 2], normal: DVec3, part: f64) -> DVec3 {
-    let along = b - a;
-    let flat = along - normal * along.dot(normal);
+    let flat = flat(b - a, normal);
     let [lever] = shortened([flat * (part / flat.length_squared())]);
     lever
+}
+
+/// What of a side of an element is square to the normal, 0 where that is rounding.
+fn flat(side: DVec3, normal: DVec3) -> DVec3 {
+    let flat = side - normal * side.dot(normal);
+    let is_seen = flat.length_squared() > SEEN * SEEN * side.length_squared();
+    if is_seen { flat } else { DVec3::ZERO }
 }
 
 /// The two vectors in the plane of u and v that have 1 along the one and 0 along the other.
 fn dual(u: DVec3, v: DVec3) -> [DVec3; 2] {
     let across = u.cross(v);
     let square = across.length_squared();
+    let least = SEEN * SEEN * u.length_squared() * v.length_squared();
+    if square <= least {
+        return [DVec3::ZERO; 2];
+    }
     [v.cross(across) / square, across.cross(u) / square]
 }
 
@@ -83,6 +97,25 @@ mod tests {
         let moment: DVec3 = corners.iter().zip(&parts).map(|(c, p)| c.cross(*p)).sum();
         assert!((sum + j).length() < 1e-12, "{sum}");
         assert!((moment + place.cross(j)).length() < 1e-12, "{moment}");
+    }
+
+    /// Symptom: of two ropes that pushed each other end on the last nodes but one got a part of it now and then. Cause: levers across the
+    /// way, by rounding.
+    #[test]
+    fn what_is_seen_end_on_takes_no_couple() {
+        let (a, b) = (DVec3::new(0.3, 0.1, -0.2), DVec3::new(0.7, 1.3, 0.4));
+        let along = (b - a).normalize();
+        let c = b + along * 0.3;
+        for tilt in [0.0, 1e-16, 1e-9] {
+            let normal = (along + along.any_orthonormal_vector() * tilt).normalize();
+            assert_eq!(of_face([a, b, b], normal, 0.01), [DVec3::ZERO; 3]);
+            assert_eq!(of_face([a, b, c], normal, 0.01), [DVec3::ZERO; 3]);
+            assert_eq!(of_spring([a, b], normal, 0.01), DVec3::ZERO);
+        }
+        let normal = (along + along.any_orthonormal_vector() * 0.1).normalize();
+        let [_, lever, _] = of_face([a, b, b], normal, 0.01);
+        let sine = along.cross(normal).length();
+        assert!((lever.length() * a.distance(b) * sine - 0.01).abs() < 1e-9);
     }
 
     /// Two edges that cross at a distance get no moment in all.

@@ -201,8 +201,35 @@ impl Query<'_> {
             };
             return Found::new(way, normal, way.way.dot(normal));
         }
-        let side = if way.way.dot(normal) < 0.0 { -1.0 } else { 1.0 };
-        Found::new(way, way.way * (side / length), side * length)
+        if way.way.dot(normal) < 0.0 {
+            return Found::new(way, way.way / -length, -length);
+        }
+        self.toward(way, length)
+    }
+
+    /// A point of an edge or a corner, `length` m away, in the direction in which the node will be where it comes to the distance that both
+    /// keep, or nearest to it, within the substep: a rim is round by that distance, and what passes over it is not met by the plane
+    /// that touches it on the side from which the node comes.
+    fn toward(&self, way: &Way, length: f64) -> Found {
+        let straight = Found::new(way, way.way / length, length);
+        let mut by = self.v - self.other.velocity(way.element, way.nearest.weights);
+        if let Feature::Side(k) = way.nearest.feature {
+            // The nearest point of an edge goes along.
+            let corners = self.other.corners(way.element);
+            let along = (corners[(k + 1) % 3] - corners[k]).normalize_or_zero();
+            by -= along * along.dot(by);
+        }
+        by *= self.reach.h;
+        let (square, closing) = (by.length_squared(), -way.way.dot(by));
+        // Without a distance the way there is noise.
+        if length <= self.distance || self.distance <= 0.0 || closing <= 0.0 {
+            return straight;
+        }
+        // |way + t·by| = distance, or where that is least.
+        let inside = closing * closing - square * (way.squared - self.distance * self.distance);
+        let t = (closing - inside.max(0.0).sqrt()) / square;
+        let normal = (way.way + by * t.min(1.0)).normalize_or(straight.normal);
+        Found::new(way, normal, way.way.dot(normal))
     }
 
     /// For a node inside a solid: the nearest face that looks the way it came.
@@ -246,7 +273,7 @@ impl Query<'_> {
         if last.is_some_and(|last| last.dot(normal) < -0.5) {
             Found::new(way, -normal, -length)
         } else {
-            Found::new(way, normal, length)
+            self.toward(way, length)
         }
     }
 
@@ -254,7 +281,9 @@ impl Query<'_> {
     fn second(&self, first: &Found) -> Option<Found> {
         let mut best: Option<(f64, Found)> = None;
         for &(_, element) in self.near {
-            if element as usize >= self.other.outline.faces || element == first.element {
+            let outline = self.other.outline;
+            let is_face = (element as usize) < outline.faces && !outline.is_torn(element);
+            if !is_face || element == first.element {
                 continue;
             }
             let way = self.other.nearest(element, self.x);

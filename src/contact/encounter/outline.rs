@@ -4,7 +4,7 @@
 //! nothing holds. A body whose every edge is used by two faces in opposite directions is a solid: outside is where the
 //! winding says, and only its surface counts. Everything else has two sides and needs a thickness.
 
-use crate::body::{Blueprint, State};
+use crate::body::{Blueprint, State, Topology};
 use crate::math::{DVec3, Real, wide};
 use rapier3d::geometry::Aabb;
 use rapier3d::parry::partitioning::{Bvh, BvhBuildStrategy};
@@ -25,6 +25,8 @@ pub struct Edge {
     pub faces: [u32; 2],
     /// The spring it is, if it belongs to no face.
     pub spring: u32,
+    /// Whether all faces at it are torn, and no spring is left.
+    pub torn: bool,
 }
 
 impl Edge {
@@ -41,6 +43,10 @@ pub struct Outline {
     pub elements: Vec<[u32; 3]>,
     /// How many of them are faces.
     pub faces: usize,
+    /// Which faces of the blueprint they are.
+    triangles: Vec<u32>,
+    /// Which of them are torn; empty while none is.
+    torn: Vec<bool>,
     /// Nodes that can touch, in ascending order.
     pub nodes: Vec<u32>,
     /// Edges of faces, and the springs of the elements.
@@ -107,8 +113,9 @@ impl Outline {
     fn add_faces(&mut self, blueprint: &Blueprint) {
         let mut known = BTreeMap::<[u32; 2], u32>::new();
         self.closed = true;
-        let faces = blueprint.faces.iter();
-        for &face in faces.filter(|[a, b, c]| a != b && b != c && c != a) {
+        let faces = (0..).zip(&blueprint.faces);
+        for (triangle, &face) in faces.filter(|(_, [a, b, c])| a != b && b != c && c != a) {
+            self.triangles.push(triangle);
             let index = self.elements.len() as u32;
             let mut own = [NONE; 3];
             for (k, own) in own.iter_mut().enumerate() {
@@ -121,6 +128,7 @@ impl Outline {
                         nodes: [a, b],
                         faces: [index, NONE],
                         spring: NONE,
+                        torn: false,
                     });
                     self.owner.push(index);
                     continue;
@@ -153,6 +161,7 @@ impl Outline {
                 nodes: [a, b],
                 faces: [NONE; 2],
                 spring: id,
+                torn: false,
             });
             self.elements.push([a, b, b]);
             self.edges_of.push([edge, NONE, NONE]);
@@ -178,10 +187,11 @@ impl Outline {
         }
     }
 
-    /// The faces around a node.
-    pub fn around(&self, node: u32) -> &[u32] {
+    /// The faces around a node that are not torn.
+    pub fn around(&self, node: u32) -> impl Iterator<Item = u32> + '_ {
         let i = node as usize;
-        &self.around[self.first[i] as usize..self.first[i + 1] as usize]
+        let all = &self.around[self.first[i] as usize..self.first[i + 1] as usize];
+        all.iter().copied().filter(|face| !self.is_torn(*face))
     }
 
     /// What a surface of `thickness` m comes to: 0 stands for nothing on a solid, and for a tenth of the shortest edge on
@@ -194,16 +204,48 @@ impl Outline {
         }
     }
 
-    /// Whether an element is a spring that has broken.
-    pub fn is_gone(&self, element: u32, state: &State<Real>) -> bool {
-        let edge = self.edges_of[element as usize][0];
-        element as usize >= self.faces && edge != NONE && self.is_broken(edge, state)
+    /// Takes over what is torn of the faces that it was made of.
+    pub fn tear(&mut self, topology: &Topology) {
+        self.torn.resize(self.faces, false);
+        for (f, &triangle) in self.triangles.iter().enumerate() {
+            if self.torn[f] || !topology.is_torn(triangle) {
+                continue;
+            }
+            self.torn[f] = true;
+            for edge in self.edges_of[f] {
+                let faces = &mut self.edges[edge as usize].faces;
+                let own = faces.iter_mut().filter(|face| **face == f as u32);
+                own.for_each(|face| *face = NONE);
+            }
+        }
+        let bare = |edge: &&mut Edge| !edge.is_spring() && edge.faces == [NONE; 2];
+        for edge in self.edges.iter_mut().filter(bare) {
+            let [a, b] = edge.nodes;
+            let known = topology.edges.binary_search(&[a.min(b), a.max(b)]);
+            // The diagonals of quads are no edges of theirs.
+            edge.torn = known.map_or(true, |i| topology.torn.edge(i as u32));
+        }
     }
 
-    /// Whether an edge is a spring that has broken.
+    /// Whether an element is a spring that has broken, or a face that is torn.
+    pub fn is_gone(&self, element: u32, state: &State<Real>) -> bool {
+        if (element as usize) < self.faces {
+            return self.is_torn(element);
+        }
+        let edge = self.edges_of[element as usize][0];
+        edge != NONE && self.is_broken(edge, state)
+    }
+
+    /// Whether a face is torn.
+    #[inline(always)]
+    pub fn is_torn(&self, face: u32) -> bool {
+        self.torn.get(face as usize).is_some_and(|torn| *torn)
+    }
+
+    /// Whether an edge is a spring that has broken, or one of faces that are torn.
     pub fn is_broken(&self, edge: u32, state: &State<Real>) -> bool {
-        let spring = self.edges[edge as usize].spring;
-        spring != NONE && state.broken[spring as usize]
+        let Edge { spring, torn, .. } = self.edges[edge as usize];
+        torn || spring != NONE && state.broken[spring as usize]
     }
 
     /// Whether two elements have a node in common.
@@ -275,7 +317,7 @@ mod tests {
         assert_eq!((o.nodes.len(), o.faces), (98, 192));
         assert_eq!(o.edges.len(), 192 * 3 / 2);
         assert_eq!(o.thickness(0.0), 0.0);
-        let total: usize = (0..125).map(|n| o.around(n).len()).sum();
+        let total: usize = (0..125).map(|n| o.around(n).count()).sum();
         assert_eq!(total, 3 * 192);
     }
 

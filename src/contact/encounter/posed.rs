@@ -140,27 +140,25 @@ impl<'a> Posed<'a> {
             // NaN of a side without length becomes 0.
             cos.clamp(-1.0, 1.0).acos().max(0.0)
         };
-        let faces = self.outline.around(node).iter();
-        faces.map(|&f| self.face_normal(f) * angle(f)).sum()
+        let faces = self.outline.around(node);
+        faces.map(|f| self.face_normal(f) * angle(f)).sum()
     }
 
     /// Of the faces at a nearest point, the one that looks most against `against`.
     pub fn facing(&self, element: u32, feature: Feature, against: DVec3) -> DVec3 {
-        let edge;
-        let faces: &[u32] = match feature {
-            Feature::Face => return self.face_normal(element),
-            Feature::Side(k) => {
-                edge = self.outline.edges[self.outline.edges_of[element as usize][k] as usize];
-                &edge.faces
-            }
-            Feature::Corner(k) => self
-                .outline
-                .around(self.outline.elements[element as usize][k]),
+        let least = |faces: &mut dyn Iterator<Item = u32>| {
+            let normals = faces.filter(|f| *f != NONE).map(|f| self.face_normal(f));
+            let least = normals.min_by(|a, b| a.dot(against).total_cmp(&b.dot(against)));
+            least.unwrap_or(DVec3::ZERO)
         };
-        let faces = faces.iter().filter(|&&f| f != NONE);
-        faces
-            .map(|&f| self.face_normal(f))
-            .min_by(|a, b| a.dot(against).total_cmp(&b.dot(against)))
-            .unwrap_or(DVec3::ZERO)
+        let outline = self.outline;
+        match feature {
+            Feature::Face => self.face_normal(element),
+            Feature::Side(k) => {
+                let edge = outline.edges_of[element as usize][k] as usize;
+                least(&mut outline.edges[edge].faces.into_iter())
+            }
+            Feature::Corner(k) => least(&mut outline.around(outline.elements[element as usize][k])),
+        }
     }
 }

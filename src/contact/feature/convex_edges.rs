@@ -106,6 +106,9 @@ impl Making<'_, '_> {
         (key, bound): ([u32; 2], f64),
         seen: &mut Recall<SeenEdge>,
     ) -> f64 {
+        if self.site.side.topology.torn.edge(key[1]) {
+            return f64::INFINITY;
+        }
         let nodes = self.site.side.topology.edges[key[1] as usize];
         let corners = self.ends(&nodes);
         if let Some(apart) = self.edge_again(part, key, (&nodes, &corners), seen) {

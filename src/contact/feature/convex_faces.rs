@@ -31,6 +31,9 @@ impl Making<'_, '_> {
         points: &mut Vec<DVec3>,
         met: &mut Vec<Met>,
     ) -> f64 {
+        if self.site.side.topology.torn.face(f) {
+            return f64::INFINITY;
+        }
         let nodes = self.site.side.topology.faces[f as usize].nodes();
         let patch = Patch::new(self.corners(nodes));
         if let Some(apart) = self.meet_again(part, [p, f], &patch, seen, met) {

@@ -35,6 +35,9 @@ impl Making<'_, '_> {
         f: u32,
     ) -> (f64, Option<Met>) {
         let topology = self.site.side.topology;
+        if topology.torn.face(f) {
+            return (f64::INFINITY, None);
+        }
         let patch = Patch::new(self.corners(topology.faces[f as usize].nodes()));
         let (lo, hi) = bounds(patch.corners().iter().copied());
         let p = corner.place;
@@ -77,6 +80,9 @@ impl Making<'_, '_> {
     /// edges of the face. The outside of an open surface is where the edge was when it touched, or where its own flanks are.
     pub(super) fn meet_line(&self, edge: &Edge, f: u32) -> (f64, Option<Met>) {
         let topology = self.site.side.topology;
+        if topology.torn.face(f) {
+            return (f64::INFINITY, None);
+        }
         let patch = Patch::new(self.corners(topology.faces[f as usize].nodes()));
         let (lo, hi) = bounds(patch.corners().iter().copied());
         let [a, b] = edge.ends;
@@ -170,6 +176,9 @@ impl Making<'_, '_> {
 
     /// Adds the row of an edge and one of the `edges` of the target that cross, and returns how far they are from each other, or less \[m\].
     pub(super) fn meet_edge(&mut self, e: u32, edge: &Edge, edges: &[Edge]) -> f64 {
+        if self.site.side.topology.torn.edge(e) {
+            return f64::INFINITY;
+        }
         let nodes = self.site.side.topology.edges[e as usize];
         let corners = self.ends(&nodes);
         let across = (corners[1] - corners[0]).cross(edge.along());

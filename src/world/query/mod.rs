@@ -2,8 +2,8 @@
 //!
 //! They are asked of the nodes as they stand, between steps as well as after a change by hand. Faces are those of the
 //! simulation ([`Blueprint::faces`](crate::body::Blueprint::faces)): a body that carries a finer skin is met where its faces are, not where its skin is
-//! drawn, and faces stay when the springs along them break. Faces count from both sides. A body whose faces close has an
-//! inside.
+//! drawn. Torn faces ([`Deformable::is_torn`]) are none. Faces count from both sides. A body whose faces close has an
+//! inside, torn or not.
 //!
 //! Bodies without faces (ropes, nets, lone nodes) are met at their unbroken springs and at the nodes that no spring holds.
 //! These are lines and points, which a ray can't hit, unless the filter gives them a
@@ -134,6 +134,7 @@ impl Deformable {
     fn search(&self, radius: f64) -> Search<'_> {
         Search {
             blueprint: &self.blueprint,
+            topology: &self.topology,
             state: &self.state,
             tree: self.cache.tree(&self.blueprint, &self.state),
             bounds: self.cache.bounds(&self.state),

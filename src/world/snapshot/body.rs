@@ -199,7 +199,7 @@ impl Saved {
         };
         let embedded = Embedded::of(&blueprint);
         let touching = embedded.as_ref().map_or(&blueprint, |e| &e.blueprint);
-        Ok(Deformable {
+        let mut body = Deformable {
             slots: vec![u32::MAX; state.particles.len()],
             backup: state.clone(),
             topology: Arc::new(Topology::of(&blueprint)),
@@ -230,6 +230,8 @@ impl Saved {
             told: self.told,
             user_data: u128::from(self.user_data[0]) | u128::from(self.user_data[1]) << 64,
             ..Deformable::default()
-        })
+        };
+        body.tear_anew();
+        Ok(body)
     }
 }

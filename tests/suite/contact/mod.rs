@@ -19,6 +19,7 @@ mod slides;
 mod spinning;
 mod squeezed;
 mod surface;
+mod tears;
 mod tubes;
 mod yielding;
 
