@@ -145,7 +145,7 @@ mod tests {
     /// Symptom: springs of a sheet that were given a break force never broke. Cause: the material's strength took its place.
     #[test]
     fn what_a_spring_was_given_it_keeps() {
-        let mut net = shape::rope(Vector::ZERO, Vector::X, 5, 1e-4).unwrap();
+        let mut net = shape::rope(Vector::ZERO, Vector::X * 5.0, 5, 1e-4).unwrap();
         let material = Material {
             strength: 1e6,
             break_strain: 0.3,
