@@ -38,8 +38,8 @@ pub struct Topology {
     pub faces: Vec<Face>,
     /// Per face of the blueprint which of these it is, or is half of.
     pub part_of: Vec<u32>,
-    /// Each edge of a face once, in ascending order, but for the diagonals of flat quads: whatever lies across a diagonal lies across two sides.
-    /// Of a body without faces, its springs.
+    /// Each edge of a face once, in ascending order, but for the diagonals of flat quads: whatever lies across a diagonal lies
+    /// across two sides. Of a body without faces, its springs.
     pub edges: Vec<[u32; 2]>,
     /// The faces to the left and to the right of each edge, seen from outside, by the next node from either end: of a triangle
     /// its third one, twice. [`NONE`] on a border, and between more than two faces or such as don't agree on an outside. None

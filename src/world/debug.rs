@@ -151,8 +151,7 @@ impl DeformableWorld {
             }
         }
         if style.faces {
-            let faces = (0..).zip(&body.blueprint.faces);
-            for (_, &[a, b, c]) in faces.filter(|(face, _)| !body.topology.is_torn(*face)) {
+            for [a, b, c] in body.whole_faces() {
                 for (from, to) in [(a, b), (b, c), (c, a)] {
                     line(at(from), at(to), style.face_color);
                 }

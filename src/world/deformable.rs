@@ -258,7 +258,7 @@ impl Deformable {
     }
 
     /// The triangles between [`Self::skin_positions`], counter-clockwise seen from outside: those of the skin, or the faces of the
-    /// nodes where it has none. They stay the same.
+    /// nodes where it has none. They stay the same; of the latter [`Self::whole_faces`] leaves out what is torn.
     pub fn skin_triangles(&self) -> &[[u32; 3]] {
         let skin = self.blueprint.skin.as_ref();
         skin.map_or(&self.blueprint.faces, |skin| &skin.triangles)
