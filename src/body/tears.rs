@@ -84,10 +84,8 @@ impl Seams {
                 let face = topology.faces[f as usize];
                 let was_held = face.nodes().contains(&ends[1]) && !topology.torn.face(f);
                 if was_held && self.parts(&face, &holds) > self.parts[f as usize] {
-                    topology.tear_face(f);
-                    let nodes = face.nodes();
-                    for (i, &a) in nodes.iter().enumerate() {
-                        self.tear_edge(topology, [a, nodes[(i + 1) % nodes.len()]], &holds);
+                    for side in topology.tear_face(f) {
+                        self.tear_edge(topology, side, &holds);
                     }
                 }
             }
@@ -136,13 +134,15 @@ impl Seams {
 }
 
 impl Topology {
-    fn tear_face(&mut self, f: u32) {
+    /// Takes a face away from its edges; its sides.
+    fn tear_face(&mut self, f: u32) -> Vec<[u32; 2]> {
         self.torn.faces[f as usize] = true;
-        let nodes = self.faces[f as usize];
-        let nodes = nodes.nodes();
-        for (i, &a) in nodes.iter().enumerate() {
-            let b = nodes[(i + 1) % nodes.len()];
-            let Ok(edge) = self.edges.binary_search(&[a.min(b), a.max(b)]) else {
+        let face = self.faces[f as usize];
+        let nodes = face.nodes();
+        let next = nodes.iter().cycle().skip(1);
+        let sides: Vec<_> = nodes.iter().zip(next).map(|(&a, &b)| [a, b]).collect();
+        for [a, b] in &sides {
+            let Ok(edge) = self.edges.binary_search(&[*a.min(b), *a.max(b)]) else {
                 continue;
             };
             let of_face = |wing: &&mut [u32; 2]| wing.iter().all(|node| nodes.contains(node));
@@ -151,6 +151,7 @@ impl Topology {
                 *wing = [NONE; 2];
             }
         }
+        sides
     }
 }
 

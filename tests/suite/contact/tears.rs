@@ -28,6 +28,9 @@ fn torn(net: Net) -> (PhysicsWorld, DeformableWorld, DeformableHandle) {
         }
         set.step(&mut world);
     }
+    let broken = (0..set[body].spring_count() as u32)
+        .filter(|&i| set[body].is_broken(SpringId(i)) == Some(true));
+    assert!(broken.count() > 0);
     world.gravity = Vector::Y * -9.81;
     (world, set, body)
 }
