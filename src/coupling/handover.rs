@@ -170,6 +170,37 @@ pub fn off_shadow(body: &RigidBody, pending: &Pending, end: &Shadow) -> (f64, f6
     (off, size(pending.free))
 }
 
+/// The energy of the way from where a body is to where its shadow is within `dt` s \[J\].
+pub fn cost_to_put(body: &RigidBody, end: &Shadow, dt: f64) -> f64 {
+    let by = end.com - wide(body.center_of_mass());
+    let turn = rotation_vector(end.rot * wide_rotation(*body.rotation()).inverse());
+    let (p, l) = momentum(body, (by, turn));
+    0.5 * (p.dot(by) + l.dot(turn)) / (dt * dt)
+}
+
+/// Puts a body where its shadow is, as fast as this is after a step of `dt` s. What it is ahead of Rapier's velocities because it falls
+/// is taken from what falls, and not from what something bears.
+pub fn become_shadow(
+    body: &mut RigidBody,
+    mobility: &Mobility,
+    [start, end]: [&Shadow; 2],
+    dt: f64,
+) {
+    let told = |change: DVec3, falls: DVec3, ahead: DVec3| {
+        let share = change.dot(falls) / (falls.length_squared() * dt);
+        if share.is_finite() {
+            ahead * share.clamp(0.0, 1.0)
+        } else {
+            ahead
+        }
+    };
+    let v = told(end.v - start.v, mobility.acceleration, end.ahead.0);
+    let w = told(end.w - start.w, mobility.spin_up, end.ahead.1);
+    put_at(body, end);
+    body.set_linvel(narrow(end.v - v), false);
+    body.set_angvel(narrow(end.w - w), false);
+}
+
 /// Puts a body where its shadow is.
 pub fn put_at(body: &mut RigidBody, end: &Shadow) {
     let at = narrow(end.com) - end.rot.as_quat() * body.local_center_of_mass();
@@ -234,18 +265,12 @@ fn per_axis(velocity: DVec3, inv_mass: DVec3) -> DVec3 {
     )
 }
 
-/// Gives `body` the rest after Rapier's step, and learns from what it did. Returns the coupling defect \[J\]: what the
-/// shadow's work differs from that done on the body.
-pub fn after_step(
-    body: &mut RigidBody,
-    pending: &Pending,
-    end: &Shadow,
-    memory: &mut BodyMemory,
-) -> f64 {
+/// Gives `body` the rest after Rapier's step, and learns from what it did.
+pub fn after_step(body: &mut RigidBody, pending: &Pending, end: &Shadow, memory: &mut BodyMemory) {
     match pending.answer {
-        Answer::None => return 0.0,
+        Answer::None => {}
         // Rapier has put it to sleep in this step and its velocity to zero: it stays that way.
-        Answer::Free if body.is_sleeping() => return 0.0,
+        Answer::Free if body.is_sleeping() => {}
         Answer::Free => {
             let taken = damped_by_rapier(body, pending.dt);
             let (v, w) = (taken.0 - end.damped.0, taken.1 - end.damped.1);
@@ -288,6 +313,15 @@ pub fn after_step(
                 );
             }
         }
+    }
+}
+
+/// The coupling defect of a body that has got everything \[J\]: by what the work on its shadow differs from that done on it.
+pub fn defect(body: &RigidBody, pending: &Pending, end: &Shadow) -> f64 {
+    match pending.answer {
+        Answer::None => return 0.0,
+        Answer::Free if body.is_sleeping() => return 0.0,
+        _ => {}
     }
     let turned = end.torque.dot(end.w - end.ahead.1 - wide(body.angvel()));
     let defect = |v: DVec3| 0.5 * (end.impulse.dot(v - wide(body.linvel())) + turned);

@@ -26,6 +26,8 @@ pub struct BodyMemory {
     /// By how much its shadow is off, of what rests on rigid bodies or bears a stiff deformable: its centre of mass \[m\], and its
     /// orientation as an angle times an axis \[rad\].
     pub offset: (DVec3, DVec3),
+    /// Whether it was put where its shadow was in the last step, because of the nodes that it holds.
+    pub was_put: bool,
     /// Where it was when it had last moved on: its centre of mass \[m\] and its orientation.
     pub stayed: (DVec3, DQuat),
     /// The last step in which a deformable could touch it.
@@ -66,6 +68,7 @@ impl Default for BodyMemory {
             supported: false,
             near: false,
             offset: Default::default(),
+            was_put: false,
             stayed: (DVec3::INFINITY, DQuat::IDENTITY),
             seen: 0,
         }

@@ -255,7 +255,7 @@ impl DeformableWorld {
 }
 
 /// Where a rigid body's frame is, and its axes.
-fn frame(body: &RigidBody) -> (DVec3, DQuat) {
+pub(super) fn frame(body: &RigidBody) -> (DVec3, DQuat) {
     let at = body.position();
     (wide(at.translation), wide_rotation(at.rotation))
 }

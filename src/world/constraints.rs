@@ -23,7 +23,8 @@ impl Group {
             for (number, contact) in constraints.contacts_of(body) {
                 if pressed.insert(number) {
                     let shadows = contact.bodies.map(|b| origins.shadow(self, b));
-                    self.add_rigid_contact(shadows, contact, origins.dt);
+                    let left = origins.around.parameters.allowed_linear_error();
+                    self.add_rigid_contact(shadows, contact, f64::from(left), origins.dt);
                 }
             }
             for (number, joint) in constraints.joints_of(body) {
@@ -86,6 +87,12 @@ impl Group {
         }
     }
 
+    /// Whether a body was put where its shadow was.
+    fn was_put(&self, shadow: u32) -> bool {
+        let touched = (shadow as usize).checked_sub(1).map(|i| &self.touched[i]);
+        touched.is_some_and(|t| t.was_put)
+    }
+
     fn add_joint(&mut self, shadows: [u32; 2], joint: &RigidJoint) {
         let own = shadows.map(|i| self.body_at(i));
         let anchors = [0, 1].map(|k| own[k].1.inverse() * (joint.anchors[k] - own[k].0));
@@ -102,12 +109,13 @@ impl Group {
             frames,
             axes: joint.axes,
             open: DVec3::from_array(along),
+            closes: shadows.into_iter().any(|i| self.was_put(i)),
         };
         let row = JointRow::new(joint, per_mass, &self.shadows);
         self.rows.joints.push(row);
     }
 
-    fn add_rigid_contact(&mut self, shadows: [u32; 2], contact: &RigidContact, dt: f64) {
+    fn add_rigid_contact(&mut self, shadows: [u32; 2], contact: &RigidContact, left: f64, dt: f64) {
         // As Rapier has it: both give way at one point, half way between the surfaces.
         let point = 0.5 * (contact.points[0] + contact.points[1]);
         let arm = |k: usize| point - self.body_at(shadows[k]).0;
@@ -121,6 +129,7 @@ impl Group {
             arms: [arm(0), arm(1)],
             gap,
             gap_at_start: gap,
+            parts: shadows.into_iter().any(|i| self.was_put(i)).then_some(left),
             normal: contact.normal,
             shares: contact.shares,
             friction: contact.friction,

@@ -1,18 +1,91 @@
 //! What follows rigid bodies to where Rapier's own step has left these: attached nodes at once, shadows of what rests in their own
 //! time.
 
-use super::attach::held_frame;
+use super::attach::{AttachmentState, frame, held_frame};
 use super::group::{Ends, Waiting};
-use super::laden::{Held, softest_contact};
+use super::laden::{Held, moving, softest_contact};
 use super::{Deformable, DeformableWorld, RapierParts};
 use crate::contact::target::wide_rotation;
 use crate::coupling::attach::{Hold, Part, Point};
 use crate::coupling::flight::rotation_vector;
+use crate::coupling::handover;
 use crate::coupling::observe::Answer;
 use crate::math::{DVec3, wide};
-use std::collections::BTreeMap;
+use rapier3d::dynamics::{RigidBody, RigidBodyHandle};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// How far nodes can follow at once whatever it takes, in length units.
+const JUMP: f64 = 5e-4;
 
 impl DeformableWorld {
+    /// Puts bodies that hold nodes where their shadows are, as fast as these, with all that they press on or are jointed to, if to bring
+    /// the nodes to where Rapier's step of `dt` s has left them would take more than to put all these. Nodes that follow far get what
+    /// energy that takes from nothing: those of a light body that strikes the ground with a long lever, or of a chain that comes to the
+    /// limit of a joint.
+    pub(super) fn lead_back(
+        &mut self,
+        parts: &mut RapierParts,
+        waiting: &mut [Waiting],
+        held: &Held,
+        dt: f64,
+    ) {
+        let far = JUMP * parts.length_unit();
+        for i in 0..waiting.len() {
+            let w = &waiting[i];
+            let handle = w.touched.body;
+            let jumps = |body| self.farthest((handle, body)) > far;
+            if w.put || !held.holds(handle) || !parts.bodies.get(handle).is_some_and(jumps) {
+                continue;
+            }
+            let Some(set) = hanging_together(parts, waiting, handle) else {
+                continue;
+            };
+            let (mut follow, mut put) = (0.0, 0.0);
+            for w in set.iter().map(|i| &waiting[*i]) {
+                let body = &parts.bodies[w.touched.body];
+                follow += self.cost_to_follow((w.touched.body, body), dt);
+                put += handover::cost_to_put(body, &w.end, dt);
+            }
+            if put < follow {
+                for i in set {
+                    let w = &mut waiting[i];
+                    let body = &mut parts.bodies[w.touched.body];
+                    let ends = [&w.touched.start, &w.end];
+                    handover::become_shadow(body, &w.touched.mobility, ends, dt);
+                    let memory = self.memory.entry(w.touched.body.into_raw_parts());
+                    memory.or_default().was_put = true;
+                    w.put = true;
+                }
+            }
+        }
+    }
+
+    /// How far any node that a body holds is from where it holds it \[m\]. Links give way.
+    fn farthest(&self, (handle, rigid): (RigidBodyHandle, &RigidBody)) -> f64 {
+        let (origin, rot) = frame(rigid);
+        let mut most = 0.0_f64;
+        for (_, bond) in self.attachments.iter().filter(|(_, b)| leads(b, handle)) {
+            if let Some(soft) = self.bodies.get(bond.deformable.0) {
+                let errors = bond.errors(origin, rot, &soft.state, None);
+                most = errors.map(|e| e.length()).fold(most, f64::max);
+            }
+        }
+        most
+    }
+
+    /// What it takes to bring the nodes of a body to where it is \[J\], see [`Deformable::cost_of_shift`].
+    fn cost_to_follow(&mut self, (handle, rigid): (RigidBodyHandle, &RigidBody), dt: f64) -> f64 {
+        let (origin, rot) = frame(rigid);
+        let mut cost = 0.0;
+        for (_, bond) in self.attachments.iter().filter(|(_, b)| leads(b, handle)) {
+            if let Some(soft) = self.bodies.get_mut(bond.deformable.0) {
+                let errors: Vec<_> = bond.errors(origin, rot, &soft.state, None).collect();
+                cost += soft.cost_of_shift(&bond.points, &errors, dt);
+            }
+        }
+        cost
+    }
+
     /// Leaves the shadow of what rests on rigid bodies where it is after Rapier's step of `dt` s, see [`BodyMemory::keep_apart`].
     /// The shadow of what hangs on joints or holds nodes goes to where the body is and stays there, for joints and nodes would stretch;
     /// but where the springs behind nodes are stiff, these are held where the shadow is, or they would be driven, and so is all that
@@ -40,7 +113,7 @@ impl DeformableWorld {
         let (miss, turn) = match touched.answer {
             // Its mass may have changed since the shadow was made.
             Answer::Linked => miss_of(wide(body.translation()) + rot * touched.local_com),
-            Answer::Constrained if is_stiff || waiting.landed => {
+            Answer::Constrained if is_stiff || waiting.put => {
                 miss_of(wide(body.translation()) + rot * touched.local_com)
             }
             Answer::Constrained if !on_joints && !holds => miss_of(wide(body.center_of_mass())),
@@ -110,6 +183,47 @@ impl DeformableWorld {
     }
 }
 
+/// Whether a body takes nodes with it by an attachment.
+fn leads(bond: &AttachmentState, body: RigidBodyHandle) -> bool {
+    bond.body() == Some(body) && !bond.loose && !bond.is_broken() && !bond.is_link()
+}
+
+/// Which of those that wait are a body and all that hang together with it by joints or contacts, if each of them waits, and ends where
+/// its shadow does but for what Rapier's contacts and joints answer otherwise.
+fn hanging_together(
+    parts: &RapierParts,
+    waiting: &[Waiting],
+    body: RigidBodyHandle,
+) -> Option<BTreeSet<usize>> {
+    let place = |handle: RigidBodyHandle| {
+        let i = waiting.iter().position(|w| w.touched.body == handle)?;
+        let is_awake = !parts.bodies.get(handle)?.is_sleeping();
+        (waiting[i].touched.answer == Answer::Constrained && is_awake).then_some(i)
+    };
+    let mut found = BTreeSet::from([place(body)?]);
+    let mut next = vec![body];
+    while let Some(handle) = next.pop() {
+        let joints = parts.impulse_joints.attached_enabled_joints(handle);
+        let joined = joints.flat_map(|(first, second, ..)| [first, second]);
+        let colliders = parts
+            .bodies
+            .get(handle)
+            .map_or(&[][..], RigidBody::colliders);
+        let pairs = colliders
+            .iter()
+            .flat_map(|c| parts.narrow_phase.contact_pairs_with(*c));
+        let pairs = pairs.filter(|pair| pair.has_any_active_contact());
+        let pressed = pairs.flat_map(|pair| [pair.collider1, pair.collider2]);
+        let pressed = pressed.filter_map(|c| parts.colliders.get(c)?.parent());
+        for other in joined.chain(pressed) {
+            if moving(parts, other).is_some() && found.insert(place(other)?) {
+                next.push(other);
+            }
+        }
+    }
+    Some(found)
+}
+
 impl Deformable {
     /// Moves each point by minus its error as an impulse would, and books what that does to the energies as work of the rigid
     /// body.
@@ -125,6 +239,32 @@ impl Deformable {
         }
         self.shifted += farthest;
         self.solver.work.rigid += self.energies_in(&subset).balance() - before;
+    }
+
+    /// What it takes to do so within `dt` s \[J\]: what the energies rise by, and that of the way.
+    fn cost_of_shift(&mut self, points: &[Point], errors: &[DVec3], dt: f64) -> f64 {
+        let shifts = self.shifts(points, errors);
+        let subset = self.subset(shifts.iter().map(|(node, _)| *node));
+        let before = self.energies_in(&subset).balance();
+        let at = |n: &u32| {
+            (
+                self.state.particles[*n as usize],
+                self.state.low[*n as usize],
+            )
+        };
+        let places: Vec<_> = subset.nodes.iter().map(at).collect();
+        let mut cost = 0.0;
+        for (node, by) in shifts {
+            let mass = f64::from(self.blueprint.nodes[node as usize].mass);
+            cost += 0.5 * mass * by.length_squared() / (dt * dt);
+            self.state.displace(node as usize, by.as_vec3().to_array());
+        }
+        cost += self.energies_in(&subset).balance() - before;
+        for (node, (particle, low)) in subset.nodes.iter().zip(places) {
+            let node = *node as usize;
+            (self.state.particles[node], self.state.low[node]) = (particle, low);
+        }
+        cost
     }
 
     /// The nodes that are moved so, and how far \[m\]. A node of several points comes several times.

@@ -26,6 +26,8 @@ pub(super) struct Touched {
     pub at: (DVec3, DQuat),
     /// The body's centre of mass in its own frame \[m\].
     pub local_com: DVec3,
+    /// Whether it was put where its shadow was in the last step, because of what it holds.
+    pub was_put: bool,
     /// The set of bodies with which it lands in this step, if it does, see [`super::landing`].
     pub lands: Option<BodyKey>,
 }
@@ -42,8 +44,8 @@ pub(super) struct Waiting {
     pub holds: bool,
     /// Whether it touches a deformable of a group that something leads, or that something moves with.
     pub led: bool,
-    /// Whether it was put where its shadow has landed.
-    pub landed: bool,
+    /// Whether it was put where its shadow is.
+    pub put: bool,
 }
 
 /// A sortable key of a body.
@@ -85,9 +87,11 @@ impl Origins<'_> {
             start.lead_on(course.bend, self.dt);
         }
         let at = (start.com, start.rot);
-        if let Some(memory) = self.memory.get(&handle.into_raw_parts()) {
+        let memory = self.memory.get(&handle.into_raw_parts());
+        if let Some(memory) = memory {
             (start.com, start.rot) = memory.apart(start.com, start.rot);
         }
+        let was_put = memory.is_some_and(|m| m.was_put);
         group.touched.push(Touched {
             body: handle,
             answer,
@@ -95,6 +99,7 @@ impl Origins<'_> {
             start,
             at,
             local_com: wide(body.local_center_of_mass()),
+            was_put,
             lands: None,
         });
         group.shadows.push(start);

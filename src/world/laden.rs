@@ -98,13 +98,9 @@ impl DeformableWorld {
         dt: f64,
         usual: f64,
     ) -> BTreeSet<BodyKey> {
-        let moving = |handle| {
-            let body = parts.bodies.get(handle);
-            body.filter(|b| b.is_dynamic() && b.is_enabled())
-        };
         let is_stiff = |(key, load): &(BodyKey, Load)| {
             let handle = handle_of(*key);
-            moving(handle).is_some_and(|body| load.is_stiff((handle, body), parts, usual))
+            moving(parts, handle).is_some_and(|body| load.is_stiff((handle, body), parts, usual))
         };
         let stiff = self.loads(dt).into_iter().filter(is_stiff);
         let mut found: BTreeSet<BodyKey> = stiff.map(|(key, _)| key).collect();
@@ -112,7 +108,7 @@ impl DeformableWorld {
         while let Some(key) = next.pop() {
             let joints = parts.impulse_joints.attached_enabled_joints(handle_of(key));
             let others = joints.flat_map(|(first, second, ..)| [first, second]);
-            let others = others.filter(|other| moving(*other).is_some());
+            let others = others.filter(|other| moving(parts, *other).is_some());
             let others = others.map(RigidBodyHandle::into_raw_parts);
             next.extend(others.filter(|key| found.insert(*key)));
         }
@@ -248,6 +244,12 @@ impl Mount {
             Self::None
         }
     }
+}
+
+/// A body, if it is one that moves.
+pub(super) fn moving<'a>(parts: &'a RapierParts, handle: RigidBodyHandle) -> Option<&'a RigidBody> {
+    let body = parts.bodies.get(handle);
+    body.filter(|b| b.is_dynamic() && b.is_enabled())
 }
 
 fn handle_of((index, generation): BodyKey) -> RigidBodyHandle {

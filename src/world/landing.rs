@@ -105,8 +105,8 @@ pub(super) fn land(bodies: &mut RigidBodySet, waiting: &mut [Waiting]) {
         let Some(&(off, given)) = w.touched.lands.and_then(|set| sets.get(&set)) else {
             continue;
         };
-        w.landed = off <= LANDED * LANDED * given;
-        if w.landed
+        w.put = off <= LANDED * LANDED * given;
+        if w.put
             && let Some(body) = bodies.get_mut(w.touched.body)
         {
             handover::put_at(body, &w.end);

@@ -269,7 +269,7 @@ impl DeformableWorld {
                 .entry(body.into_raw_parts())
                 .or_insert_with(|| BodyMemory::first_seen(sleeping));
             memory.seen = self.steps;
-            memory.near = w.near;
+            (memory.near, memory.was_put) = (w.near, false);
             memory.feel(end.impulse, dt);
             // Asleep it would not be lifted, and the node that it holds stay where it is; or a deformable on its way be held up.
             if w.holds || w.led {
@@ -278,11 +278,15 @@ impl DeformableWorld {
             if w.pending.is_something()
                 && let Some(body) = parts.bodies.get_mut(body)
             {
-                self.report.coupling_defect += handover::after_step(body, &w.pending, end, memory);
+                handover::after_step(body, &w.pending, end, memory);
             }
         }
         landing::land(parts.bodies, &mut waiting);
+        self.lead_back(parts, &mut waiting, &held, dt);
         for w in &waiting {
+            if let Some(body) = parts.bodies.get(w.touched.body) {
+                self.report.coupling_defect += handover::defect(body, &w.pending, &w.end);
+            }
             self.leave_shadow(parts, w, &held, dt);
         }
         self.follow_rigid_bodies(parts, &ends);

@@ -54,7 +54,7 @@ impl BetweenShadows {
         for row in &mut self.contacts {
             row.end(shadows, h);
         }
-        self.joints.iter_mut().for_each(JointRow::end);
+        self.joints.iter_mut().for_each(|joint| joint.end(h));
     }
 
     /// The same of those joints alone that pass on an impulse at once: soft ones take their time.

@@ -117,7 +117,7 @@ impl Rows {
         for row in &mut self.rigid {
             row.end(shadows, h);
         }
-        self.joints.iter_mut().for_each(JointRow::end);
+        self.joints.iter_mut().for_each(|joint| joint.end(h));
     }
 
     /// Ends a step of `dt` s of Rapier's: bodies get what its contacts can't bear.

@@ -24,6 +24,9 @@ pub struct RigidRow {
     pub gap: f64,
     /// The same at the start of the rigid step \[m\].
     pub gap_at_start: f64,
+    /// How deep shadows leave inside what is there at the start, and part the rest, if they do \[m\]: where Rapier has put bodies it
+    /// does, but some go where their shadows are.
+    pub parts: Option<f64>,
     /// From the first to the second.
     pub normal: DVec3,
     /// What each takes of the impulse: 1, or 0 for a body that dominates the other.
@@ -114,6 +117,9 @@ impl Axis {
     }
 }
 
+/// How fast shadows part what is inside, where that is theirs to do \[1/s\].
+const PARTING: f64 = 30.0;
+
 /// By which share of their norms answers of shadows may differ and count as the same: a body turns a little in every substep.
 const SAME: f64 = 1e-3;
 
@@ -178,6 +184,9 @@ impl RigidRow {
     /// Sees what the bodies do by themselves in a substep of h s.
     pub(super) fn approach(&mut self, shadows: &[Shadow], h: f64) {
         self.made.allowed = allowed_velocity(-self.gap, h);
+        if let Some(left) = self.parts {
+            self.made.allowed += PARTING * (-self.gap - left).max(0.0);
+        }
         self.made.closing = (self.made.allowed - self.speed(shadows)).max(0.0);
         self.came = self.came.max(self.made.closing);
     }

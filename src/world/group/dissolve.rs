@@ -89,7 +89,7 @@ impl DeformableWorld {
                 near,
                 holds,
                 led: near && led,
-                landed: false,
+                put: false,
             });
         }
     }

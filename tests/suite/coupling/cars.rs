@@ -128,8 +128,8 @@ impl Car {
 fn a_car_stands_and_rolls_on_light_carriers() {
     let cases = [
         (0.0, On::Cylinders, 10.0),
-        (20.0, On::Balls, 600.0),
-        (20.0, On::Cylinders, 4e3),
+        (20.0, On::Balls, 200.0),
+        (20.0, On::Cylinders, 300.0),
     ];
     for (speed, on, most) in cases {
         let mut car = Car::new(speed, on);

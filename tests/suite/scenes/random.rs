@@ -302,6 +302,12 @@ fn bodies_that_hold_nodes() {
     all_of([56, 137, 176, 238, 297, 441, 822, 896, 921]);
 }
 
+/// Light bodies that strike the ground, which turns them, with nodes at the end of long levers: they were given 1 to 6 % of the energy.
+#[test]
+fn bodies_that_strike_the_ground_with_long_levers() {
+    all_of([1112, 1832, 1866, 2075, 2229]);
+}
+
 /// Light nodes in the grip of heavy bodies, and a block that has been crumpled inside out.
 #[test]
 fn nodes_that_are_squeezed() {

@@ -17,6 +17,8 @@ use place::Place;
 
 /// How much of a joint's opening is taken back in a substep.
 const PULL_BACK: f64 = 0.2;
+/// How fast shadows close what is open, where that is theirs to do \[1/s\].
+const CLOSING: f64 = 60.0;
 /// What keeps directions in which nothing moves from dividing by zero.
 const FLOOR: f64 = 1e-9;
 
@@ -35,8 +37,10 @@ pub struct Joint {
     pub frames: [DQuat; 2],
     /// What it does along and about them.
     pub axes: Axes,
-    /// How far the joint is open along locked axes at the start of the rigid step \[m\]: for Rapier to mend.
+    /// How far the joint is open along locked axes at the start of the rigid step \[m\].
     pub open: DVec3,
+    /// Whether shadows close that: where Rapier has put bodies it does, but these go where their shadows are.
+    pub closes: bool,
 }
 
 /// A joint, and what a pass makes of it.
@@ -48,7 +52,9 @@ pub struct JointRow {
     pub impulses: Vec6,
     /// Where it is at the start of the substep.
     place: Place,
-    /// Velocity that takes back what has opened \[m/s\].
+    /// How far locked axes are still open from before the rigid step \[m\].
+    left: DVec3,
+    /// Velocity that takes back what has opened \[m/s\], \[rad/s\].
     bias: Vec6,
     /// Factors of the response of the locked axes to their impulses; `None` if nothing moves.
     factors: Option<Cholesky<f64, Const<6>>>,
@@ -90,6 +96,7 @@ impl JointRow {
         let sides = joint.shadows.map(|i| &shadows[i as usize]);
         let mut row = Self {
             joint,
+            left: joint.open,
             place: Place::of(&joint, sides),
             ..Self::default()
         };
@@ -166,9 +173,11 @@ impl JointRow {
             response += self.softness;
             drifts = self.drift_on(alone, opened * soft.drift);
         } else {
-            for i in (0..3).filter(|i| locked[*i]) {
-                let opened = self.place.displacement(i) - self.joint.open[i];
-                self.bias[i] = -PULL_BACK * opened / h;
+            let opened = self.place.opened(locked);
+            for i in (0..6).filter(|i| locked[*i]) {
+                // Turns are not pulled back: they are exact but for what passes leave.
+                let left = if i < 3 { self.left[i] } else { opened[i] };
+                self.bias[i] = -PULL_BACK * (opened[i] - left) / h - self.closing() * left;
             }
         }
         self.factors = factors(response, locked);
@@ -206,14 +215,21 @@ impl JointRow {
         Some([(last.place, last.impulses), (self.place, -now)])
     }
 
-    /// Ends a substep, however often its rows were started and solved.
-    pub(super) fn end(&mut self) {
+    /// How fast what was open is closed \[1/s\].
+    fn closing(&self) -> f64 {
+        if self.joint.closes { CLOSING } else { 0.0 }
+    }
+
+    /// Ends a substep of h s, however often its rows were started and solved.
+    pub(super) fn end(&mut self, h: f64) {
         self.drift = self.drifts;
+        self.left *= (-self.closing() * h).exp();
     }
 
     /// Back to where nothing is known of a substep before.
     pub(super) fn restart(&mut self) {
         self.impulses = Vec6::zeros();
+        self.left = self.joint.open;
         (self.drift, self.drifts) = (None, None);
     }
 

@@ -190,3 +190,42 @@ fn a_soft_joint_is_as_stiff_as_its_rigid_bodies_are_heavy() {
     assert!((v.x + softness.drift * way).abs() < 1e-6 && v.y.abs() < 1e-9);
     assert!((w.z + softness.drift * turn).abs() < 1e-6);
 }
+
+/// What was open before the step is closed by and by, and not at all where Rapier does that.
+#[test]
+fn what_is_open_closes_where_that_is_left_to_shadows() {
+    for closes in [false, true] {
+        let ball = Shadow {
+            com: DVec3::X * 0.01,
+            inv_mass: DMat3::IDENTITY,
+            inv_inertia: DMat3::IDENTITY,
+            ..Shadow::FIXED
+        };
+        let mut shadows = [Shadow::FIXED, ball];
+        let joint = Joint {
+            shadows: [0, 1],
+            axes: Axes {
+                locked: [true, true, true, false, false, false],
+                solver_step: 1e-3,
+                ..Axes::default()
+            },
+            open: DVec3::X * 0.01,
+            closes,
+            ..Joint::default()
+        };
+        let mut row = JointRow::new(joint, [false; 6], &shadows);
+        for _ in 0..100 {
+            row.start(&mut shadows, 1e-3);
+            row.solve(&mut shadows, 0.0);
+            row.end(1e-3);
+            shadows[1].advance(1e-3);
+        }
+        let right = if closes {
+            0.01 * (-6.0_f64).exp()
+        } else {
+            0.01
+        };
+        let open = shadows[1].com.x;
+        assert!((open - right).abs() < 5e-6, "{closes}: {open} for {right}");
+    }
+}

@@ -1,5 +1,6 @@
 //! Joints with limits, motors and springs take part between Rapier's steps: against the mechanics of what they hold.
 
+mod chains;
 mod motors;
 mod soft;
 mod stops;
