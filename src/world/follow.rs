@@ -46,7 +46,9 @@ impl DeformableWorld {
                 follow += self.cost_to_follow((w.touched.body, body), dt);
                 put += handover::cost_to_put(body, &w.end, dt);
             }
-            if put < follow {
+            // Rapier would close at once what shadows have left open.
+            let goes_on = set.iter().any(|i| waiting[*i].touched.was_put);
+            if goes_on || put < follow {
                 for i in set {
                     let w = &mut waiting[i];
                     let body = &mut parts.bodies[w.touched.body];
