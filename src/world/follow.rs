@@ -1,8 +1,8 @@
 //! What follows rigid bodies to where Rapier's own step has left these: attached nodes at once, shadows of what rests in their own
-//! time.
+//! time. Where nodes would have to jump, bodies go where their shadows are instead.
 
 use super::attach::{AttachmentState, frame, held_frame};
-use super::group::{Ends, Waiting};
+use super::group::{BodyKey, Ends, Waiting};
 use super::laden::{Held, moving, softest_contact};
 use super::{Deformable, DeformableWorld, RapierParts};
 use crate::contact::target::wide_rotation;
@@ -22,19 +22,12 @@ impl DeformableWorld {
     /// the nodes to where Rapier's step of `dt` s has left them would take more than to put all these. Nodes that follow far get what
     /// energy that takes from nothing: those of a light body that strikes the ground with a long lever, or of a chain that comes to the
     /// limit of a joint.
-    pub(super) fn lead_back(
-        &mut self,
-        parts: &mut RapierParts,
-        waiting: &mut [Waiting],
-        held: &Held,
-        dt: f64,
-    ) {
-        let far = JUMP * parts.length_unit();
+    pub(super) fn lead_back(&mut self, parts: &mut RapierParts, waiting: &mut [Waiting], dt: f64) {
+        let jumping = self.jumping(parts);
         for i in 0..waiting.len() {
             let w = &waiting[i];
             let handle = w.touched.body;
-            let jumps = |body| self.farthest((handle, body)) > far;
-            if w.put || !held.holds(handle) || !parts.bodies.get(handle).is_some_and(jumps) {
+            if w.put || !jumping.contains(&handle.into_raw_parts()) {
                 continue;
             }
             let Some(set) = hanging_together(parts, waiting, handle) else {
@@ -62,17 +55,19 @@ impl DeformableWorld {
         }
     }
 
-    /// How far any node that a body holds is from where it holds it \[m\]. Links give way.
-    fn farthest(&self, (handle, rigid): (RigidBodyHandle, &RigidBody)) -> f64 {
-        let (origin, rot) = frame(rigid);
-        let mut most = 0.0_f64;
-        for (_, bond) in self.attachments.iter().filter(|(_, b)| leads(b, handle)) {
-            if let Some(soft) = self.bodies.get(bond.deformable.0) {
-                let errors = bond.errors(origin, rot, &soft.state, None);
-                most = errors.map(|e| e.length()).fold(most, f64::max);
-            }
-        }
-        most
+    /// The bodies that a node which they hold would have to jump to, see [`JUMP`].
+    fn jumping(&self, parts: &RapierParts) -> BTreeSet<BodyKey> {
+        let far = JUMP * parts.length_unit();
+        let jumps = |(_, bond): (_, &AttachmentState)| {
+            let handle = bond.body().filter(|h| leads(bond, *h))?;
+            let soft = self.bodies.get(bond.deformable.0)?;
+            let (origin, rot) = frame(parts.bodies.get(handle)?);
+            let mut errors = bond.errors(origin, rot, &soft.state, None);
+            errors
+                .any(|e| e.length() > far)
+                .then(|| handle.into_raw_parts())
+        };
+        self.attachments.iter().filter_map(jumps).collect()
     }
 
     /// What it takes to bring the nodes of a body to where it is \[J\], see [`Deformable::cost_of_shift`].

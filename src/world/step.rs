@@ -282,7 +282,7 @@ impl DeformableWorld {
             }
         }
         landing::land(parts.bodies, &mut waiting);
-        self.lead_back(parts, &mut waiting, &held, dt);
+        self.lead_back(parts, &mut waiting, dt);
         for w in &waiting {
             if let Some(body) = parts.bodies.get(w.touched.body) {
                 self.report.coupling_defect += handover::defect(body, &w.pending, &w.end);
