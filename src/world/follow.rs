@@ -60,7 +60,8 @@ impl DeformableWorld {
         let far = JUMP * parts.length_unit();
         let jumps = |(_, bond): (_, &AttachmentState)| {
             let handle = bond.body().filter(|h| leads(bond, *h))?;
-            let soft = self.bodies.get(bond.deformable.0)?;
+            let soft = self.bodies.get(bond.deformable.0);
+            let soft = soft.filter(|s| s.is_active())?;
             let (origin, rot) = frame(parts.bodies.get(handle)?);
             let mut errors = bond.errors(origin, rot, &soft.state, None);
             errors
@@ -75,7 +76,8 @@ impl DeformableWorld {
         let (origin, rot) = frame(rigid);
         let mut cost = 0.0;
         for (_, bond) in self.attachments.iter().filter(|(_, b)| leads(b, handle)) {
-            if let Some(soft) = self.bodies.get_mut(bond.deformable.0) {
+            let soft = self.bodies.get_mut(bond.deformable.0);
+            if let Some(soft) = soft.filter(|s| s.is_active()) {
                 let errors: Vec<_> = bond.errors(origin, rot, &soft.state, None).collect();
                 cost += soft.cost_of_shift(&bond.points, &errors, dt);
             }
