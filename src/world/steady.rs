@@ -66,9 +66,9 @@ impl Steadiness {
     }
 
     /// Takes note of the substep h that was made since the last review, before one in a `frame` of the world \[s\], and finds what
-    /// will be. `shape` is what changes count that the body itself asked for within a frame. `decay` is by what share at least damping takes from the energy
-    /// of the fastest mode between reviews; it is asked for where substeps have changed. Other schemes lose energy where a
-    /// change might give them any.
+    /// will be. `shape` is what changes count that the body itself asked for within a frame. `decay` is by what share at least
+    /// damping takes from the energy of the fastest mode between reviews; it is asked for where substeps have changed. Other
+    /// schemes lose energy where a change might give them any.
     pub fn note(
         &mut self,
         (h, frame): (f64, f64),
