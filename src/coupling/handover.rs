@@ -318,10 +318,8 @@ pub fn after_step(body: &mut RigidBody, pending: &Pending, end: &Shadow, memory:
 
 /// The coupling defect of a body that has got everything \[J\]: by what the work on its shadow differs from that done on it.
 pub fn defect(body: &RigidBody, pending: &Pending, end: &Shadow) -> f64 {
-    match pending.answer {
-        Answer::None => return 0.0,
-        Answer::Free if body.is_sleeping() => return 0.0,
-        _ => {}
+    if !pending.is_something() || pending.answer == Answer::Free && body.is_sleeping() {
+        return 0.0;
     }
     let turned = end.torque.dot(end.w - end.ahead.1 - wide(body.angvel()));
     let defect = |v: DVec3| 0.5 * (end.impulse.dot(v - wide(body.linvel())) + turned);

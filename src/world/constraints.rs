@@ -23,8 +23,8 @@ impl Group {
             for (number, contact) in constraints.contacts_of(body) {
                 if pressed.insert(number) {
                     let shadows = contact.bodies.map(|b| origins.shadow(self, b));
-                    let left = origins.around.parameters.allowed_linear_error();
-                    self.add_rigid_contact(shadows, contact, f64::from(left), origins.dt);
+                    let slop = origins.around.parameters.allowed_linear_error();
+                    self.add_rigid_contact(shadows, contact, f64::from(slop), origins.dt);
                 }
             }
             for (number, joint) in constraints.joints_of(body) {
@@ -115,7 +115,7 @@ impl Group {
         self.rows.joints.push(row);
     }
 
-    fn add_rigid_contact(&mut self, shadows: [u32; 2], contact: &RigidContact, left: f64, dt: f64) {
+    fn add_rigid_contact(&mut self, shadows: [u32; 2], contact: &RigidContact, slop: f64, dt: f64) {
         // As Rapier has it: both give way at one point, half way between the surfaces.
         let point = 0.5 * (contact.points[0] + contact.points[1]);
         let arm = |k: usize| point - self.body_at(shadows[k]).0;
@@ -129,7 +129,7 @@ impl Group {
             arms: [arm(0), arm(1)],
             gap,
             gap_at_start: gap,
-            parts: shadows.into_iter().any(|i| self.was_put(i)).then_some(left),
+            slop: shadows.into_iter().any(|i| self.was_put(i)).then_some(slop),
             normal: contact.normal,
             shares: contact.shares,
             friction: contact.friction,

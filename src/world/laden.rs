@@ -100,7 +100,9 @@ impl DeformableWorld {
     ) -> BTreeSet<BodyKey> {
         let is_stiff = |(key, load): &(BodyKey, Load)| {
             let handle = handle_of(*key);
-            moving(parts, handle).is_some_and(|body| load.is_stiff((handle, body), parts, usual))
+            parts
+                .moving(handle)
+                .is_some_and(|body| load.is_stiff((handle, body), parts, usual))
         };
         let stiff = self.loads(dt).into_iter().filter(is_stiff);
         let mut found: BTreeSet<BodyKey> = stiff.map(|(key, _)| key).collect();
@@ -108,7 +110,7 @@ impl DeformableWorld {
         while let Some(key) = next.pop() {
             let joints = parts.impulse_joints.attached_enabled_joints(handle_of(key));
             let others = joints.flat_map(|(first, second, ..)| [first, second]);
-            let others = others.filter(|other| moving(parts, *other).is_some());
+            let others = others.filter(|other| parts.moving(*other).is_some());
             let others = others.map(RigidBodyHandle::into_raw_parts);
             next.extend(others.filter(|key| found.insert(*key)));
         }
@@ -244,12 +246,6 @@ impl Mount {
             Self::None
         }
     }
-}
-
-/// A body, if it is one that moves.
-pub(super) fn moving<'a>(parts: &'a RapierParts, handle: RigidBodyHandle) -> Option<&'a RigidBody> {
-    let body = parts.bodies.get(handle);
-    body.filter(|b| b.is_dynamic() && b.is_enabled())
 }
 
 fn handle_of((index, generation): BodyKey) -> RigidBodyHandle {

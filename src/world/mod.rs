@@ -24,6 +24,7 @@ mod kinematic;
 mod known;
 mod laden;
 mod landing;
+mod lead_back;
 mod meet;
 mod mend;
 mod motion;

@@ -3,7 +3,8 @@
 use crate::coupling::observe::Surroundings;
 use crate::math::Vector;
 use rapier3d::dynamics::{
-    ImpulseJointSet, IntegrationParameters, IslandManager, MultibodyJointSet, RigidBodySet,
+    ImpulseJointSet, IntegrationParameters, IslandManager, MultibodyJointSet, RigidBody,
+    RigidBodyHandle, RigidBodySet,
 };
 use rapier3d::geometry::{BroadPhaseBvh, ColliderSet, NarrowPhase};
 use rapier3d::pipeline::PhysicsWorld;
@@ -47,6 +48,12 @@ impl<'a> From<&'a mut PhysicsWorld> for RapierParts<'a> {
 }
 
 impl RapierParts<'_> {
+    /// A body, if it is one that moves.
+    pub(super) fn moving(&self, handle: RigidBodyHandle) -> Option<&RigidBody> {
+        let body = self.bodies.get(handle);
+        body.filter(|b| b.is_dynamic() && b.is_enabled())
+    }
+
     pub(super) fn surroundings(&self) -> Surroundings<'_> {
         Surroundings {
             gravity: self.gravity,

@@ -24,9 +24,9 @@ pub struct RigidRow {
     pub gap: f64,
     /// The same at the start of the rigid step \[m\].
     pub gap_at_start: f64,
-    /// How deep shadows leave inside what is there at the start, and part the rest, if they do \[m\]: where Rapier has put bodies it
-    /// does, but some go where their shadows are.
-    pub parts: Option<f64>,
+    /// The penetration that shadows leave, where they part what is deeper \[m\]: Rapier does that, but for bodies that go where their
+    /// shadows are.
+    pub slop: Option<f64>,
     /// From the first to the second.
     pub normal: DVec3,
     /// What each takes of the impulse: 1, or 0 for a body that dominates the other.
@@ -183,12 +183,11 @@ pub(super) fn start_rigid(rows: &mut [RigidRow], shadows: &mut [Shadow], answers
 impl RigidRow {
     /// Sees what the bodies do by themselves in a substep of h s.
     pub(super) fn approach(&mut self, shadows: &[Shadow], h: f64) {
-        self.made.allowed = allowed_velocity(-self.gap, h);
-        if let Some(left) = self.parts {
-            self.made.allowed += PARTING * (-self.gap - left).max(0.0);
-        }
-        self.made.closing = (self.made.allowed - self.speed(shadows)).max(0.0);
-        self.came = self.came.max(self.made.closing);
+        let comes = allowed_velocity(-self.gap, h) - self.speed(shadows);
+        self.came = self.came.max(comes);
+        let deep = self.slop.map_or(0.0, |slop| (-self.gap - slop).max(0.0));
+        self.made.allowed = allowed_velocity(-self.gap, h) + PARTING * deep;
+        self.made.closing = (comes + PARTING * deep).max(0.0);
     }
 
     /// Along the normal and the sides \[N·s\].

@@ -173,11 +173,12 @@ impl JointRow {
             response += self.softness;
             drifts = self.drift_on(alone, opened * soft.drift);
         } else {
-            let opened = self.place.opened(locked);
-            for i in (0..6).filter(|i| locked[*i]) {
-                // Turns are not pulled back: they are exact but for what passes leave.
-                let left = if i < 3 { self.left[i] } else { opened[i] };
-                self.bias[i] = -PULL_BACK * (opened[i] - left) / h - self.closing() * left;
+            if self.joint.closes {
+                self.bias = self.place.opened(locked) * -CLOSING;
+            }
+            for i in (0..3).filter(|i| locked[*i]) {
+                let opened = self.place.displacement(i) - self.left[i];
+                self.bias[i] = -PULL_BACK * opened / h - self.closing() * self.left[i];
             }
         }
         self.factors = factors(response, locked);
