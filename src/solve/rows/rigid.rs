@@ -392,3 +392,27 @@ fn rub(response: &[[f64; 3]; 3], slip: [f64; 2], before: [f64; 2], limit: f64) -
         wanted
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// That is what Rapier leaves, 1 mm; and to be parted is not to have come.
+    #[test]
+    fn what_is_deeper_than_the_slop_is_parted() {
+        let shadows = [Shadow::FIXED; 2];
+        for (slop, asked) in [(None, 0.0), (Some(1e-3), PARTING * 1e-2)] {
+            let mut row = RigidRow {
+                shadows: [0, 1],
+                normal: DVec3::Y,
+                gap: -1.1e-2,
+                slop,
+                ..RigidRow::default()
+            };
+            row.approach(&shadows, 1e-3);
+            let made = &row.made;
+            assert!((made.allowed - asked).abs() < 1e-12 && made.closing == made.allowed);
+            assert_eq!(row.came, 0.0);
+        }
+    }
+}

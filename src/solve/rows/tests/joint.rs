@@ -226,6 +226,6 @@ fn what_is_open_closes_where_that_is_left_to_shadows() {
             0.01
         };
         let open = shadows[1].com.x;
-        assert!((open - right).abs() < 5e-6, "{closes}: {open} for {right}");
+        assert!((open - right).abs() < 2e-6, "{closes}: {open} for {right}");
     }
 }
