@@ -162,6 +162,7 @@ impl Target {
             friction_impulse: DVec3::ZERO,
             response: Default::default(),
             lift: Lift::default(),
+            pinched: 0.0,
         }
     }
 }

@@ -56,7 +56,7 @@ impl Group {
             let row = &rows.contacts[i];
             let mut by = DVec3::ZERO;
             if row.depth > 0.0 && row.softness == 0.0 && row.lift.speed == 0.0 {
-                by += row.normal * push_out(row.depth, h, s.push_out);
+                by += row.normal * push_out(row.depth - row.pinched, h, s.push_out);
             }
             if row.drift != DVec3::ZERO && row.sticks() {
                 by -= row.drift * pull_back(h);
@@ -173,16 +173,20 @@ fn displace(
     by: DVec3,
 ) -> DVec3 {
     let nodes = &rows.nodes;
-    let response: f64 = rows
-        .terms_of(terms)
-        .iter()
-        .map(|t| t.weight * t.share * nodes[t.node as usize].inv_mass)
-        .sum();
+    let of = |t: &Term| t.weight * t.share * nodes[t.node as usize].inv_mass;
+    let is_free = |t: &&Term| !row.is_some_and(|row| rows.is_blocked(row, t.node, by * t.share));
+    let all = rows.terms_of(terms).iter();
+    let free: f64 = all.clone().filter(is_free).map(of).sum();
+    // Where both sides are, they share it.
+    let response = if free > 0.0 { free } else { all.map(of).sum() };
     let mut lost = DVec3::ZERO;
     if response <= 0.0 {
         return lost;
     }
     for term in rows.terms_of(terms) {
+        if free > 0.0 && !is_free(&term) {
+            continue;
+        }
         let node = &nodes[term.node as usize];
         let by = by * (term.share * node.inv_mass / response);
         let by = row.map_or(by, |row| rows.free_way(row, term.node, by));

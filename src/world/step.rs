@@ -51,6 +51,9 @@ impl DeformableWorld {
         self.settle(&mut RapierParts::from(&mut *world), observer);
         self.report.rigid_steps = 1;
         self.wake_on_new_gravity(&mut RapierParts::from(&mut *world));
+        if dt > 0.0 {
+            self.wake_struck(&mut RapierParts::from(&mut *world), dt);
+        }
         self.wake_islands(&RapierParts::from(&mut *world), dt);
         if dt == 0.0 {
             world.step_with_events(hooks, events);
@@ -97,6 +100,7 @@ impl DeformableWorld {
         if self.takes(dt, parts.gravity) && dt > 0.0 {
             self.settle(parts, observer);
             self.wake_on_new_gravity(parts);
+            self.wake_struck(parts, dt);
             self.wake_islands(parts, dt);
             self.begin_touches();
             // A single step to the targets leads straight to them.

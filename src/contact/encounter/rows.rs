@@ -349,6 +349,7 @@ impl Encounter {
             friction_impulse: touch.impulse.1,
             response: Default::default(),
             lift: Lift::default(),
+            pinched: 0.0,
         });
         touches.push(touch);
     }

@@ -9,46 +9,80 @@ use crate::law::row::Lift;
 const LIFT_IMPULSE: f64 = 6.0;
 
 /// The cosine from which on what is under a node holds it against what presses it down.
-const UNDER: f64 = 0.7;
+pub(super) const UNDER: f64 = 0.7;
+
+/// From which share of it on a point is held that has to give way otherwise. What presses on a face from either side seldom has the
+/// very same nodes.
+const HELD_SHARE: f64 = 0.5;
 
 impl Pass<'_> {
     /// Finds the rows that are deep, but that no node of theirs can end, and how they lift the body that can: that which the nodes
-    /// are tied to, out of what can't move, see [`Self::prepare_tied_lifts`]; and what presses nodes that are pinned, or lie on what
-    /// can't move.
+    /// are tied to, out of what can't move, see [`Self::prepare_tied_lifts`]; and what presses nodes that are pinned, or that something
+    /// holds on their other side. Where no body can, what is between two of them is led half-way between.
     pub(super) fn prepare_lifts(&mut self, fastest: f64) {
         self.prepare_tied_lifts(fastest);
+        let mut pinched = false;
         for i in 0..self.contacts.len() {
             let row = &self.contacts[i];
             let sinks = row.depth > 0.0 && row.softness == 0.0 && !row.between;
-            if !sinks || row.rigid_share == 0.0 || !self.worklist.moves(row.shadow) {
+            if !sinks || self.held_share(i) <= HELD_SHARE {
+                continue;
+            }
+            pinched = true;
+            let row = &self.contacts[i];
+            if row.rigid_share == 0.0 || !self.worklist.moves(row.shadow) {
                 continue;
             }
             let shadow = &self.shadows[row.shadow as usize];
             let mass = inverse(shadow.response(row.arm, row.normal));
-            if mass == 0.0 {
-                continue;
-            }
-            let lies = |term: &Term| {
-                if self.points.nodes[term.node as usize].inv_mass == 0.0 {
-                    return true;
-                }
-                if !self.squeezed {
-                    return false;
-                }
-                let own = self.squeeze.own(term.node).filter(|own| *own != i);
-                let mut own = own.map(|own| &self.contacts[own]);
-                own.any(|under| {
-                    let bottoms = under.depth + row.depth > 0.0;
-                    bottoms && self.is_held_by(row, under)
-                })
-            };
-            let terms = self.points.terms_of(row.terms).iter();
-            if terms.clone().all(lies) {
+            if mass > 0.0 {
                 let speed = (row.depth * LEAD_RATE).min(fastest);
                 let left = LIFT_IMPULSE * speed * mass;
                 self.contacts[i].lift = Lift { speed, left };
             }
         }
+        if pinched && self.squeezed {
+            for i in 0..self.contacts.len() {
+                let row = &self.contacts[i];
+                if row.depth > 0.0 && row.lift.speed == 0.0 && !row.between {
+                    self.contacts[i].pinched = self.pinched(i);
+                }
+            }
+        }
+    }
+
+    /// What of a row's point is held: by pins, or by something on the other side that together with the row leaves it less room than
+    /// none \[1\].
+    fn held_share(&self, i: usize) -> f64 {
+        let row = &self.contacts[i];
+        let is_held = |term: &&Term| {
+            self.points.nodes[term.node as usize].inv_mass == 0.0
+                || self
+                    .across(i, term.node)
+                    .any(|other| other.depth + row.depth > 0.0)
+        };
+        let terms = self.points.terms_of(row.terms).iter();
+        terms.filter(is_held).map(|t| t.weight).sum()
+    }
+
+    /// How deep a row's point is in what is on its other side, where that is not lifted \[m\].
+    fn pinched(&self, i: usize) -> f64 {
+        let terms = self.points.terms_of(self.contacts[i].terms).iter();
+        let depth = |term: &Term| {
+            let others = self.across(i, term.node).filter(|o| o.lift.speed == 0.0);
+            term.weight * others.map(|o| o.depth).fold(0.0, f64::max)
+        };
+        terms.map(depth).sum()
+    }
+
+    /// Rows at a node that press against row `i`.
+    fn across(&self, i: usize, node: u32) -> impl Iterator<Item = &Row> {
+        let normal = self.contacts[i].normal;
+        let at = |node: u32| self.squeeze.own(node).chain(self.squeeze.with_others(node));
+        // Nothing has been found of what is squeezed by one row alone.
+        let others = self.squeezed.then(|| at(node)).into_iter().flatten();
+        let others = others.filter(move |j| *j != i).map(|j| &self.contacts[j]);
+        others.filter(move |o| !o.between && o.normal.dot(normal) < -UNDER)
     }
 
     /// Whether what does not give way is under a node, by the row `under`, and holds it against what presses on it by `row`.

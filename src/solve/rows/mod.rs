@@ -37,6 +37,7 @@ use climb::Attempt;
 use composite::Composites;
 pub use contact::Row;
 pub use joint::{Joint, JointRow};
+use lift::UNDER;
 use rigid::Answers;
 pub use rigid::RigidRow;
 pub use settled::{Give, Negligible};
@@ -173,6 +174,23 @@ impl Rows {
             }
         }
         way
+    }
+
+    /// Whether a node that is to go `way` \[m\] for the sake of row `i`, one between two deformables, would go into a rigid body: the other
+    /// deformable has to give way.
+    pub fn is_blocked(&self, i: usize, node: u32, way: DVec3) -> bool {
+        if self.contacts.len() <= 1 || !self.contacts[i].between {
+            return false;
+        }
+        let own = self.squeeze.own(node).chain(self.squeeze.with_others(node));
+        let mut others = own.filter(|j| *j != i).map(|j| &self.contacts[j]);
+        others.any(|row| {
+            let into = -row.normal.dot(way);
+            !row.between
+                && row.softness == 0.0
+                && into > UNDER * way.length()
+                && row.depth + into > 0.0
+        })
     }
 
     /// Adds a term: a row node, its weight, and how much of an impulse by that weight it takes.

@@ -34,6 +34,10 @@ pub(super) struct Squeeze {
     first: Vec<u32>,
     /// Per row, the next one on the same node.
     next: Vec<u32>,
+    /// Per node, the last term of a row of several nodes.
+    last: Vec<u32>,
+    /// Per term, its row, and the term before it at the same node, of rows of several nodes.
+    before: Vec<(u32, u32)>,
     /// Per node, its own tie.
     tie: Vec<u32>,
     /// Per row, whether a node of it has an own row that is another one.
@@ -73,13 +77,23 @@ impl Squeeze {
         self.first.resize(nodes, NONE);
         self.next.clear();
         self.next.resize(contacts.len(), NONE);
+        self.last.clear();
+        self.last.resize(nodes, NONE);
+        self.before.clear();
+        self.before.resize(terms.len(), (NONE, NONE));
         self.pressed.clear();
         self.pressed.resize(nodes, false);
         for (i, row) in contacts.iter().enumerate().rev() {
-            let terms = &terms[row.terms.range()];
+            let range = row.terms.range();
+            let terms = &terms[range.clone()];
             if let [only] = terms {
                 let first = &mut self.first[only.node as usize];
                 self.next[i] = std::mem::replace(first, i as u32);
+            } else {
+                for (term, at) in terms.iter().zip(range) {
+                    let last = &mut self.last[term.node as usize];
+                    self.before[at] = (i as u32, std::mem::replace(last, at as u32));
+                }
             }
             if row.between {
                 terms
@@ -116,6 +130,14 @@ impl Squeeze {
     pub fn tie(&self, node: u32) -> Option<usize> {
         let tie = self.tie[node as usize];
         (tie != NONE).then_some(tie as usize)
+    }
+
+    /// The rows that act on this node and others.
+    pub fn with_others(&self, node: u32) -> impl Iterator<Item = usize> + '_ {
+        let link = |at: u32| (at != NONE).then_some(at as usize);
+        let last = link(self.last[node as usize]);
+        let terms = std::iter::successors(last, move |&at| link(self.before[at].1));
+        terms.map(|at| self.before[at].0 as usize)
     }
 
     /// The rows that act on this node alone.

@@ -59,6 +59,7 @@ fn row(terms: Terms) -> Row {
         friction_impulse: DVec3::ZERO,
         response: Default::default(),
         lift: Lift::default(),
+        pinched: 0.0,
     }
 }
 

@@ -7,6 +7,7 @@
 
 mod island;
 mod rigid;
+mod struck;
 mod wake;
 
 pub(super) use island::{Drowsy, Island};

@@ -84,7 +84,8 @@ fn a_block_swings_on_a_link_as_on_a_joint() {
             "{way} m, {reference} m in {i}"
         );
     }
-    assert!(heat < 1.5, "{heat} J");
+    println!("{heat} J of heat");
+    assert!(heat < 0.01, "{heat} J");
 }
 
 /// A block of 2.4 kg and 2 MPa lies under a plate on a prismatic joint, pressed by a force. It was hammered, with 40 to 88 N of 69.8 by a
@@ -119,5 +120,55 @@ fn a_pressed_link_rests_on_a_soft_block() {
         }
         let moved_out = set[soft].energies().work.push_out;
         assert!(moved_out.abs() < 1.5, "{what}: {moved_out} J");
+    }
+}
+
+/// An arm of two links that motors hold level, with a block welded to it: at rest it was heated by 26 to 716 W. Links feel the springs behind
+/// their nodes as one force over a step of Rapier's, and these swing many times in it.
+#[test]
+fn an_arm_that_motors_hold_stays_cold() {
+    for (young, mass) in [(2e6, 1.27), (1e7, 0.5)] {
+        let mut world = PhysicsWorld {
+            gravity: Vector::X * -9.81,
+            ..PhysicsWorld::default()
+        };
+        let mut before = world.insert_body(RigidBodyBuilder::fixed());
+        for i in 0..2 {
+            let link = RigidBodyBuilder::dynamic()
+                .translation(Vector::Y * (-0.4 * (i as f32 + 0.5)))
+                .can_sleep(false);
+            let collider = ColliderBuilder::cuboid(0.03, 0.19, 0.03).mass(mass);
+            let none = InteractionGroups::none();
+            let (link, _) = world.insert(link, collider.collision_groups(none));
+            let above = if i == 0 { 0.0 } else { -0.2 };
+            let hinge = RevoluteJointBuilder::new(Vector::Z)
+                .local_anchor1(Vector::Y * above)
+                .local_anchor2(Vector::Y * 0.2)
+                .motor_position(0.0, 3e3, 300.0)
+                .motor_model(MotorModel::ForceBased);
+            world.insert_multibody_joint(before, link, hinge);
+            before = link;
+        }
+        let mut set = DeformableWorld::default();
+        let block = DeformableBuilder::new(lattice(Vector::splat(0.19), 0.095))
+            .material(Material::elastic(young, 500.0).viscosity(1e-3 * young))
+            .translation(Vector::Y * -0.895)
+            .can_sleep(false);
+        let block = set.insert(block).unwrap();
+        let nodes = (0..set[block].node_count() as u32).map(NodeId);
+        let high = |n: &NodeId| set[block].position(*n).unwrap().y > -0.801;
+        let nodes: Vec<NodeId> = nodes.filter(high).collect();
+        assert_eq!(nodes.len(), 9);
+        set.attach(block, Attachment::weld(nodes), before, &world.bodies)
+            .unwrap();
+        (0..120).for_each(|_| set.step(&mut world));
+        let given = set[block].energies().work.rigid;
+        (0..60).for_each(|_| set.step(&mut world));
+        let more = set[block].energies().work.rigid - given;
+        println!("{young} Pa on {mass} kg: {more:.4} J in a second");
+        assert!(
+            more.abs() < 0.1,
+            "{young} Pa on {mass} kg: {more} J in a second"
+        );
     }
 }

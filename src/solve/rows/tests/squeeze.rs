@@ -150,3 +150,47 @@ fn carried_friction_of_a_squeezed_row_is_not_lost() {
         );
     }
 }
+
+/// A node of 10 g that is 1 mm deep in a body of 10 kg below it and 3 mm in one above.
+fn between(moves: [bool; 2]) -> (Rows, [Shadow; 3]) {
+    let (mut rows, [fixed, body]) = squeezed(0.0, DVec3::ZERO);
+    rows.push_out = 0.3;
+    for (row, (shadow, depth)) in rows.contacts.iter_mut().zip([(1, 1e-3), (2, 3e-3)]) {
+        (row.shadow, row.depth) = (shadow, depth);
+    }
+    let shadows = moves.map(|moves| if moves { body } else { fixed });
+    let mut shadows = [fixed, shadows[0], shadows[1]];
+    rows.solve(&mut shadows, 1e-3, 4, false);
+    (rows, shadows)
+}
+
+/// Moved out of the one it would be moved into the other.
+#[test]
+fn what_is_deep_in_two_bodies_parts_them() {
+    let (_, [_, below, above]) = between([true, true]);
+    assert!(below.v.y < -1e-3 && above.v.y > 1e-3, "{below:?} {above:?}");
+    let parted = above.v.y - below.v.y;
+    assert!(parted < 1.01 * LEAD_RATE * 4e-3, "{parted} m/s");
+}
+
+/// And half-way between two that can't be parted it stays.
+#[test]
+fn what_is_deep_in_two_that_stay_is_led_half_way_between() {
+    let (rows, _) = between([false, false]);
+    let pinched = [0, 1].map(|i| rows.contacts[i].pinched);
+    assert_eq!(pinched, [3e-3, 1e-3]);
+    let (rows, [_, _, above]) = between([false, true]);
+    assert_eq!(rows.contacts[0].pinched, 0.0);
+    assert!(above.v.y > 0.0, "{}", above.v);
+}
+
+/// What presses a node into a rigid body by another deformable has to give way itself.
+#[test]
+fn a_node_goes_into_no_rigid_body_for_another_deformable() {
+    let (mut rows, _) = between([false, false]);
+    rows.contacts[1].between = true;
+    assert!(rows.is_blocked(1, 0, DVec3::Y * -1e-3));
+    assert!(!rows.is_blocked(1, 0, DVec3::Y * 1e-3));
+    rows.contacts[0].depth = -2e-3;
+    assert!(!rows.is_blocked(1, 0, DVec3::Y * -1e-3));
+}
