@@ -51,6 +51,11 @@ pub(super) struct Waiting {
 /// A sortable key of a body.
 pub(super) type BodyKey = (u32, u32);
 
+/// The body of a key.
+pub(super) fn handle_of((index, generation): BodyKey) -> RigidBodyHandle {
+    RigidBodyHandle::from_raw_parts(index, generation)
+}
+
 /// Where shadows ended: centres of mass \[m\] and orientations.
 pub(super) type Ends = BTreeMap<BodyKey, (DVec3, DQuat)>;
 

@@ -11,7 +11,7 @@
 //! Joints Rapier leaves in error by what its iterations do not get to, and where that takes a body it would take the nodes: springs that
 //! swing several times within a step push it back before Rapier sees them again.
 
-use super::group::BodyKey;
+use super::group::{BodyKey, handle_of};
 use super::{AttachmentState, Deformable, DeformableWorld, RapierParts};
 use crate::coupling::attach::Hold;
 use crate::solve::Integrator;
@@ -37,9 +37,9 @@ const STIFF: f64 = 240.0 * PRESSED;
 /// 3.5; a block of rubber on a chain of light links exploded at 4.9 as it was with a value of 5 here; one of 77 kg on wheels is calm at 4.3.
 const SWIFT: f64 = 4.5;
 
-/// The ω·Δt of a link of a multibody on the springs behind its nodes, at most: it feels them as one force over the step. An arm that three
-/// motors hold, of links of 1.27 kg with a block of 2 MPa, was heated by 17 W at 4.7, by 45 at 5.8, and not at all at 1.2; links of 0.5 kg
-/// by 309 W.
+/// The ω·Δt of a link of a multibody on the springs behind its nodes, at most: it feels them as one force over the step. An arm
+/// that three motors hold, of links of 1.27 kg with a block of 2 MPa, was heated by 17 W at 4.7, by 45 at 5.8, and not at all at
+/// 1.2; links of 0.5 kg by 309 W.
 const LINKED: f64 = 1.2;
 
 /// 1/h² of substeps at most, over the square of the highest frequency that springs alone would have: 0.3 is that of undamped ones, and
@@ -262,10 +262,6 @@ impl Mount {
             Self::None
         }
     }
-}
-
-fn handle_of((index, generation): BodyKey) -> RigidBodyHandle {
-    RigidBodyHandle::from_raw_parts(index, generation)
 }
 
 /// The constant of the damper that Rapier's contacts of a body are \[N·s/m\].

@@ -128,7 +128,8 @@ pub struct Row {
     pub response: Response,
     /// How it moves the body that holds its nodes, or that presses on nodes which can't give way.
     pub lift: Lift,
-    /// How deep its nodes are in something on their other side, if that is not lifted either \[m\]: half-way between the two they stay.
+    /// How deep its nodes are in something on their other side, if that is not lifted either \[m\]: half-way between the two they
+    /// stay.
     pub pinched: f64,
 }
 

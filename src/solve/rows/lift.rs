@@ -11,14 +11,14 @@ const LIFT_IMPULSE: f64 = 6.0;
 /// The cosine from which on what is under a node holds it against what presses it down.
 pub(super) const UNDER: f64 = 0.7;
 
-/// From which share of it on a point is held that has to give way otherwise. What presses on a face from either side seldom has the
-/// very same nodes.
+/// From which share of it on a point is held that has to give way otherwise. What presses on a face from either side seldom has
+/// the very same nodes.
 const HELD_SHARE: f64 = 0.5;
 
 impl Pass<'_> {
     /// Finds the rows that are deep, but that no node of theirs can end, and how they lift the body that can: that which the nodes
-    /// are tied to, out of what can't move, see [`Self::prepare_tied_lifts`]; and what presses nodes that are pinned, or that something
-    /// holds on their other side. Where no body can, what is between two of them is led half-way between.
+    /// are tied to, out of what can't move, see [`Self::prepare_tied_lifts`]; and what presses nodes that are pinned, or that
+    /// something holds on their other side. Where no body can, what is between two of them is led half-way between.
     pub(super) fn prepare_lifts(&mut self, fastest: f64) {
         self.prepare_tied_lifts(fastest);
         let mut pinched = false;
@@ -51,8 +51,8 @@ impl Pass<'_> {
         }
     }
 
-    /// What of a row's point is held: by pins, or by something on the other side that together with the row leaves it less room than
-    /// none \[1\].
+    /// What of a row's point is held: by pins, or by something on the other side that together with the row leaves it less room
+    /// than none \[1\].
     fn held_share(&self, i: usize) -> f64 {
         let row = &self.contacts[i];
         let is_held = |term: &&Term| {

@@ -176,8 +176,8 @@ impl Rows {
         way
     }
 
-    /// Whether a node that is to go `way` \[m\] for the sake of row `i`, one between two deformables, would go into a rigid body: the other
-    /// deformable has to give way.
+    /// Whether a node that is to go `way` \[m\] for the sake of row `i`, one between two deformables, would go into a rigid
+    /// body: the other deformable has to give way.
     pub fn is_blocked(&self, i: usize, node: u32, way: DVec3) -> bool {
         if self.contacts.len() <= 1 || !self.contacts[i].between {
             return false;

@@ -3,7 +3,7 @@
 
 use crate::coupling::observe::velocity;
 use crate::math::{DVec3, wide};
-use crate::world::group::Touched;
+use crate::world::group::{Touched, handle_of};
 use crate::world::reach::{self, Search};
 use crate::world::substep::Group;
 use crate::world::{AttachmentState, DeformableWorld, RapierParts};
@@ -122,8 +122,8 @@ impl DeformableWorld {
         let mut wake = Vec::new();
         let steps = self.steps;
         self.feel_sleeping_islands();
-        self.memory.retain(|&(index, generation), memory| {
-            let handle = RigidBodyHandle::from_raw_parts(index, generation);
+        self.memory.retain(|&key, memory| {
+            let handle = handle_of(key);
             let Some(body) = parts.bodies.get(handle) else {
                 return false;
             };
@@ -146,8 +146,7 @@ impl DeformableWorld {
     pub(in crate::world) fn wake_on_new_gravity(&mut self, parts: &mut RapierParts) {
         let old = self.gravity.replace(parts.gravity);
         if old.is_some_and(|g| g != parts.gravity) {
-            for &(index, generation) in self.memory.keys() {
-                let handle = RigidBodyHandle::from_raw_parts(index, generation);
+            for handle in self.memory.keys().copied().map(handle_of) {
                 if parts.bodies.get(handle).is_some_and(|b| b.is_sleeping()) {
                     parts.islands.wake_up(parts.bodies, handle, true);
                 }

@@ -1,11 +1,11 @@
 //! Rigid bodies asleep that another rigid body is about to strike.
 //!
-//! Rapier wakes them within its step, but in that step what they lie on or hold of a deformable would be neither their support nor
-//! as stiff as it is: it would find them where one long step of Rapier's has driven them.
+//! Rapier wakes them within its step, but in that step what they lie on or hold of a deformable would be neither their support
+//! nor as stiff as it is: it would find them where one long step of Rapier's has driven them.
 
 use crate::coupling::observe::velocity;
 use crate::math::{DVec3, Pose, Vector, narrow, wide};
-use crate::world::group::BodyKey;
+use crate::world::group::{BodyKey, handle_of};
 use crate::world::reach::{grown, true_pose};
 use crate::world::{DeformableWorld, RapierParts};
 use rapier3d::dynamics::{RigidBody, RigidBodyHandle};
@@ -21,16 +21,16 @@ const MARGIN: f64 = 1e-3;
 const SLOW: f64 = 0.02;
 
 impl DeformableWorld {
-    /// Wakes bodies asleep beside deformables which a rigid body will strike in a step of the world of `dt` s, or that lie or hang
-    /// together with one that will be struck.
+    /// Wakes bodies asleep beside deformables which a rigid body will strike in a step of the world of `dt` s, or that lie or
+    /// hang together with one that will be struck.
     pub(in crate::world) fn wake_struck(&self, parts: &mut RapierParts, dt: f64) {
         let held = self.attachments.iter().filter_map(|(_, bond)| bond.body());
         let known = self.memory.keys();
         let known = known.copied().map(handle_of);
-        let asleep = |h: &RigidBodyHandle| parts.moving(*h).is_some_and(RigidBody::is_sleeping);
+        let sleeps = |h: &RigidBodyHandle| parts.moving(*h).is_some_and(RigidBody::is_sleeping);
         let beside: BTreeSet<_> = held
             .chain(known)
-            .filter(asleep)
+            .filter(sleeps)
             .map(RigidBodyHandle::into_raw_parts)
             .collect();
         if beside.is_empty() {
@@ -212,8 +212,4 @@ fn asleep_together(parts: &RapierParts, body: BodyKey) -> BTreeSet<BodyKey> {
         }
     }
     found
-}
-
-fn handle_of((index, generation): BodyKey) -> RigidBodyHandle {
-    RigidBodyHandle::from_raw_parts(index, generation)
 }
