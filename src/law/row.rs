@@ -85,7 +85,7 @@ pub fn push_out(depth: f64, h: f64, rate: f64) -> f64 {
 }
 
 /// How a row moves a rigid body out of what nodes are in, or out of nodes that can't give way, because they are tied to that body,
-/// pinned, or lie on what can't move: what is moved at position level would be brought back. Slowly, and with no more impulse than
+/// pinned, or held on their other side: what is moved at position level would be brought back. Slowly, and with no more impulse than
 /// that takes, for the body may be held.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lift {

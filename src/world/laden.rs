@@ -43,7 +43,8 @@ const SWIFT: f64 = 4.5;
 const LINKED: f64 = 1.2;
 
 /// 1/h² of substeps at most, over the square of the highest frequency that springs alone would have: 0.3 is that of undamped ones, and
-/// a damper that asks for 160 times as much as these is no stiffer for a step of Rapier's \[1\].
+/// a damper that asks for 160 times as much as these is no stiffer for a step of Rapier's. With 0.3 at most a damped block that swings
+/// on a soft hinge of 20 Hz took up 25 J of 25 J \[1\].
 const DAMPED: f64 = 2.0;
 
 /// How near a collider is that a body is about to touch, besides what the two go in a step, in length units.

@@ -101,19 +101,7 @@ fn hanging_together(
     let mut found = BTreeSet::from([place(body)?]);
     let mut next = vec![body];
     while let Some(handle) = next.pop() {
-        let joints = parts.impulse_joints.attached_enabled_joints(handle);
-        let joined = joints.flat_map(|(first, second, ..)| [first, second]);
-        let colliders = parts
-            .bodies
-            .get(handle)
-            .map_or(&[][..], RigidBody::colliders);
-        let pairs = colliders
-            .iter()
-            .flat_map(|c| parts.narrow_phase.contact_pairs_with(*c));
-        let pairs = pairs.filter(|pair| pair.has_any_active_contact());
-        let pressed = pairs.flat_map(|pair| [pair.collider1, pair.collider2]);
-        let pressed = pressed.filter_map(|c| parts.colliders.get(c)?.parent());
-        for other in joined.chain(pressed) {
+        for other in parts.bound_to(handle) {
             if parts.moving(other).is_some() && found.insert(place(other)?) {
                 next.push(other);
             }

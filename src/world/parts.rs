@@ -54,6 +54,21 @@ impl RapierParts<'_> {
         body.filter(|b| b.is_dynamic() && b.is_enabled())
     }
 
+    /// The bodies that a body is jointed to, linked to in a multibody, or presses on. It may be among them itself.
+    pub(super) fn bound_to(&self, body: RigidBodyHandle) -> impl Iterator<Item = RigidBodyHandle> {
+        let joints = self.impulse_joints.attached_enabled_joints(body);
+        let joined = joints.flat_map(|(first, second, ..)| [first, second]);
+        let links = self.multibody_joints.attached_joints(body);
+        let linked = links.flat_map(|(first, second, ..)| [first, second]);
+        let colliders = self.bodies.get(body).map_or(&[][..], RigidBody::colliders);
+        let pairs = colliders.iter();
+        let pairs = pairs.flat_map(|c| self.narrow_phase.contact_pairs_with(*c));
+        let pairs = pairs.filter(|pair| pair.has_any_active_contact());
+        let pressed = pairs.flat_map(|pair| [pair.collider1, pair.collider2]);
+        let pressed = pressed.filter_map(|c| self.colliders.get(c)?.parent());
+        joined.chain(linked).chain(pressed)
+    }
+
     pub(super) fn surroundings(&self) -> Surroundings<'_> {
         Surroundings {
             gravity: self.gravity,

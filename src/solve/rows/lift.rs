@@ -1,4 +1,4 @@
-//! Lifts: how a body gets out of what the nodes that it holds are in.
+//! Lifts: how a body gets out of what the nodes that it holds are in, and out of nodes that can't get out of it.
 
 use super::pass::{Pass, inverse};
 use super::{LEAD_RATE, Row, Term};

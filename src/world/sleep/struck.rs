@@ -134,13 +134,13 @@ impl<'a> Striker<'a> {
             return false;
         }
         let there = true_pose(other, parts);
-        let ways = [narrow(self.v), Vector::ZERO];
+        let [comes, stays] = [narrow(self.v), Vector::ZERO];
         let options = ShapeCastOptions {
             target_distance: self.near as f32,
             ..ShapeCastOptions::with_max_time_of_impact(self.dt as f32)
         };
         let (shape, others) = (one.shape(), other.shape());
-        let hit = cast_shapes(&self.pose, ways[0], shape, &there, ways[1], others, options);
+        let hit = cast_shapes(&self.pose, comes, shape, &there, stays, others, options);
         match hit {
             Ok(None) => false,
             // What is near already, and goes by, strikes nothing.
@@ -191,20 +191,7 @@ fn asleep_together(parts: &RapierParts, body: BodyKey) -> BTreeSet<BodyKey> {
     let mut found = BTreeSet::from([body]);
     let mut next = vec![handle_of(body)];
     while let Some(handle) = next.pop() {
-        let joints = parts.impulse_joints.attached_enabled_joints(handle);
-        let joined = joints.flat_map(|(first, second, ..)| [first, second]);
-        let links = parts.multibody_joints.attached_joints(handle);
-        let linked = links.flat_map(|(first, second, ..)| [first, second]);
-        let of_body = parts
-            .bodies
-            .get(handle)
-            .map_or(&[][..], RigidBody::colliders);
-        let pairs = of_body.iter();
-        let pairs = pairs.flat_map(|c| parts.narrow_phase.contact_pairs_with(*c));
-        let pairs = pairs.filter(|pair| pair.has_any_active_contact());
-        let pressed = pairs.flat_map(|pair| [pair.collider1, pair.collider2]);
-        let pressed = pressed.filter_map(|c| parts.colliders.get(c)?.parent());
-        for other in joined.chain(linked).chain(pressed) {
+        for other in parts.bound_to(handle) {
             let asleep = parts.moving(other).is_some_and(RigidBody::is_sleeping);
             if asleep && found.insert(other.into_raw_parts()) {
                 next.push(other);

@@ -311,7 +311,7 @@ fn a_kinematic_floor_asleep_moves_nothing() {
 }
 
 /// A seat of 10 kg on a soft block, on which a ball falls at 2.4 m/s once both are at rest: how far the seat goes down and up
-/// \[m\], and what there is more of mechanical energy at the end \[J\].
+/// \[m\], and what there ever is more of mechanical energy \[J\].
 fn struck_seat(young: f32, welded: bool, seat_sleeps: bool, block_sleeps: bool) -> [f64; 3] {
     let (mut world, _) = floored(1.0 / 60.0);
     let mut set = DeformableWorld::default();
@@ -359,8 +359,9 @@ fn struck_seat(young: f32, welded: bool, seat_sleeps: bool, block_sleeps: bool) 
     [low.into(), high.into(), more]
 }
 
-/// Symptom: what a rigid body strikes woke only within Rapier's step, where nothing of the deformable that it lay on or held was there:
-/// it was driven into that by one long step (45 mm of 9 where it lay, 19 of 0.5 on nodes that it held, and 1,870 J came of 29).
+/// Symptom: what a rigid body strikes woke only within Rapier's step, where nothing of the deformable that it lay on or held was
+/// there: it was driven into that by one long step (45 mm of 9 where it lay, 19 of 0.5 on nodes that it held, and 1,870 J came
+/// of 29).
 #[test]
 fn what_a_rigid_body_strikes_is_borne_from_the_first() {
     for (young, welded) in [(1e6, false), (1e7, true)] {

@@ -262,8 +262,9 @@ fn pressed_sheet(lower: RigidBodyBuilder, upper: ColliderBuilder, aside: f32) ->
     (top - low - 2.0 * radius, given)
 }
 
-/// Symptom: what lies between two bodies was moved out of each of them into the other, for good and with 0.1 to 5 W, and nothing moved
-/// the bodies: they sank into each other through a sheet at millimetres per second, a box of 46 kg until it touched the ball.
+/// Symptom: what lies between two bodies was moved out of each of them into the other, for good and with 0.1 to 5 W, and nothing
+/// moved the bodies: they sank into each other through a sheet at millimetres per second, a box of 46 kg until it touched the
+/// ball.
 #[test]
 fn what_is_between_two_bodies_holds_them_apart() {
     let (fixed, free) = (RigidBodyBuilder::fixed, RigidBodyBuilder::dynamic);

@@ -123,8 +123,8 @@ fn a_pressed_link_rests_on_a_soft_block() {
     }
 }
 
-/// An arm of two links that motors hold level, with a block welded to it: at rest it was heated by 26 to 716 W. Links feel the springs behind
-/// their nodes as one force over a step of Rapier's, and these swing many times in it.
+/// An arm of two links that motors hold level, with a block welded to it: at rest it was heated by 2.3 and by 716 W. Links feel
+/// the springs behind their nodes as one force over a step of Rapier's, and these swing many times in it.
 #[test]
 fn an_arm_that_motors_hold_stays_cold() {
     for (young, mass) in [(2e6, 1.27), (1e7, 0.5)] {
