@@ -97,6 +97,9 @@ struct Making<'a, 's> {
 impl Making<'_, '_> {
     /// The row of a node at a place of the collider's frame, at this distance and with this normal, if it can touch.
     fn node(&mut self, i: u32, place: DVec3, nearest: (f64, DVec3)) {
+        if self.target.holds([i]) {
+            return;
+        }
         let key = [0, i, 0];
         let last = self.touches.last(key).copied();
         let (distance, mut normal) = self.way_out(place, nearest, last);

@@ -153,6 +153,9 @@ impl SoupNodes {
         let nodes = self.facets.nodes().iter();
         let roll = Roll::of_any(site.shadow);
         for (index, (&i, side)) in nodes.zip(&mut self.sides).enumerate() {
+            if target.holds([i]) {
+                continue;
+            }
             let place = frame.to_local(site.side.state, i);
             let arm = frame.axes * place + (frame.position - site.shadow.com);
             let slip = site.side.state.velocity(i as usize) - site.shadow.velocity_at(arm);
@@ -202,7 +205,8 @@ impl SoupNodes {
                 add(i, target, row, site);
             }
         }
-        for &(i, exit) in &self.deep {
+        let deep = self.deep.iter().filter(|(i, _)| !target.holds([*i]));
+        for &(i, exit) in deep {
             let place = frame.to_local(site.side.state, i);
             let normal = frame.axes * exit.normal;
             let arm = frame.axes * place + (frame.position - site.shadow.com);

@@ -84,6 +84,8 @@ pub struct Target {
     pub rigid_share: f64,
     /// Stiffness of the contact \[N/m\] if it gives.
     pub stiffness: Option<f64>,
+    /// Points of the deformable that the collider's body holds, in ascending order: nothing can move between the two.
+    pub held: Vec<u32>,
 }
 
 /// A target's frame in the world at one instant.
@@ -121,6 +123,12 @@ impl Frame {
 }
 
 impl Target {
+    /// Whether the collider's body holds all of these points of the deformable, which then do not touch it.
+    pub fn holds(&self, points: impl IntoIterator<Item = u32>) -> bool {
+        let is_held = |point: u32| self.held.binary_search(&point).is_ok();
+        !self.held.is_empty() && points.into_iter().all(is_held)
+    }
+
     /// Where the collider is while its shadow stands at `shadow`.
     pub fn frame(&self, shadow: &Shadow) -> Frame {
         Frame {
@@ -248,6 +256,7 @@ pub fn target(
             .stiffness
             .map(f64::from)
             .filter(|k| k.is_finite() && *k > 0.0),
+        held: Vec::new(),
     })
 }
 

@@ -87,6 +87,16 @@ pub struct Point {
     pub anchor: DVec3,
 }
 
+impl Point {
+    /// The node that it is, if it is one.
+    pub fn node(&self) -> Option<u32> {
+        match &self.parts[..] {
+            [part] => Some(part.node),
+            _ => None,
+        }
+    }
+}
+
 /// When, and under what, an attachment broke.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(

@@ -28,8 +28,8 @@ impl DeformableWorld {
     ///
     /// While either side is disabled nothing is held; a node that has been moved meanwhile, or teleported, or whose body
     /// was, is led back at [`push_out_speed`](super::DeformableParameters::push_out_speed). Removing either side removes the
-    /// attachment. A node is also pushed out of the colliders it touches, those of the body it is attached to included:
-    /// keep them apart by collision groups.
+    /// attachment. A node that is welded, or pinned alone, does not touch what holds it; others do, and all that lies beside
+    /// them: keep those apart by collision groups.
     ///
     /// # Errors
     /// Unknown handles and nodes, no nodes, numbers that are negative or not finite, a deformable attached to itself, and

@@ -92,12 +92,12 @@ impl Deformable {
         (side, slots)
     }
 
-    /// The points that touch and are carried by some of these nodes alone.
+    /// The points that touch and are carried by some of these nodes alone, which are in ascending order, as those are.
     pub(super) fn points_of(&self, nodes: &[u32]) -> Vec<u32> {
         let Some(embedded) = &self.embedded else {
             return nodes.to_vec();
         };
-        let known = |node: usize| nodes.contains(&(node as u32));
+        let known = |node: usize| nodes.binary_search(&(node as u32)).is_ok();
         let points = (0..).zip(&embedded.bindings);
         let held = points.filter(|(_, b)| b.parts().all(|(node, _)| known(node)));
         held.map(|(point, _)| point).collect()

@@ -5,10 +5,11 @@ use super::attach::AttachmentState;
 use super::observer::{AttachmentBroke, AttachmentImpulse, Observer};
 use super::substep::{Group, Members};
 use super::work::{HalfKick, node_work};
-use crate::coupling::attach::{Load, Side};
+use crate::coupling::attach::{Load, Point, Side};
 use crate::coupling::ties::{Average, LinkEnergy};
 use crate::math::DVec3;
 use crate::solve::rows::Term;
+use std::collections::BTreeMap;
 
 /// An attachment while its group is advanced.
 #[derive(Clone, Debug)]
@@ -81,8 +82,33 @@ impl Group {
                 nodes[if part.other { 1 - k } else { k }].push(part.node);
             }
         }
-        let of = |k: usize| self.members[members[k] as usize].1.points_of(&nodes[k]);
+        let mut of = |k: usize| {
+            nodes[k].sort_unstable();
+            self.members[members[k] as usize].1.points_of(&nodes[k])
+        };
         [of(0), of(1)]
+    }
+
+    /// Tells targets which points of their deformables their bodies hold.
+    pub(super) fn note_held(&mut self) {
+        let mut held = BTreeMap::<(u32, u32), Vec<u32>>::new();
+        for a in self.attachments.iter().filter(|a| a.other.is_none()) {
+            if !a.bond.is_link() && !a.bond.is_broken() {
+                let of = held.entry((a.member, a.shadow)).or_default();
+                of.extend(a.bond.points.iter().filter_map(Point::node));
+            }
+        }
+        let bodies = (0..).zip(self.members.iter().zip(&mut self.candidates));
+        for (m, ((_, body), candidates)) in bodies {
+            candidates.iter_mut().for_each(|c| c.target.held.clear());
+            for (&(_, shadow), nodes) in held.range_mut((m, 0)..=(m, u32::MAX)) {
+                nodes.sort_unstable();
+                let points = body.points_of(nodes);
+                for c in candidates.iter_mut().filter(|c| c.target.shadow == shadow) {
+                    c.target.held.clone_from(&points);
+                }
+            }
+        }
     }
 
     pub(super) fn add_attachment(
@@ -186,6 +212,9 @@ impl Group {
                 owner.links -= a.bond.energy;
                 a.bond.energy = 0.0;
             }
+        }
+        if self.attachments.iter().any(|a| a.just_broke) {
+            self.note_held();
         }
     }
 

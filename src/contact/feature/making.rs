@@ -319,8 +319,13 @@ impl Making<'_, '_> {
         self.frame.axes * point + (self.frame.position - self.site.shadow.com)
     }
 
-    /// The row of a point.
+    /// The row of a point, unless the collider's body holds all that would bear it.
     pub(super) fn add(&mut self, key: Key, point: Point) {
+        let bearing = point.nodes.iter().zip(point.weights);
+        let bearing = bearing.filter(|(_, weight)| *weight != 0.0);
+        if self.target.holds(bearing.map(|(node, _)| *node)) {
+            return;
+        }
         // Both sides take the impulse at one point, that of the deformable, or angular momentum would be lost.
         let touched = weigh(&point.weights, point.corners.iter().copied());
         let arm = self.arm(touched);

@@ -14,6 +14,7 @@
 use super::blocks::Blocks;
 use super::eigen::{axes, largest_eigenvalue};
 use super::elements::{Basis, Element, Elements};
+use crate::body::state::Particle;
 use crate::law::elastic::Majorant;
 use crate::law::elastic::tensor::{Mat, apply, contract, mul, trace};
 use crate::math::{Number, Pack, Scalar, WIDTH};
@@ -71,18 +72,18 @@ impl<S: Scalar> Moments<S> {
         moments
     }
 
-    /// The bound at positions \[m\]: of λ(M⁻¹K) with the majorant of an elastic law, of λ(M⁻¹C) with that of a viscous one.
+    /// The bound where the particles are: of λ(M⁻¹K) with the majorant of an elastic law, of λ(M⁻¹C) with that of a viscous one.
     pub fn rates<B: Basis<N, G>, const N: usize, const G: usize>(
         &self,
         blocks: &Blocks<S, B, N, G>,
         majorant: impl Fn(&Mat<Pack<S>>) -> Majorant<Pack<S>>,
-        position: impl Fn(usize) -> [S; 3],
+        particles: &[Particle<S>],
     ) -> Rates {
         let mut rates = Rates::default();
         let forms = self.forms.chunks_exact(G * (G + 1) / 2);
         let parts = blocks.parts::<Pack<S>>();
         for (b, ((at, iso), forms)) in parts.zip(&self.iso).zip(forms).enumerate() {
-            let x = B::gradients(&blocks.gather::<Pack<S>>(at, &position));
+            let x = B::gradients(&blocks.gather::<Pack<S>>(at, |n| particles[n].x));
             let most: [Majorant<_>; G] = std::array::from_fn(|g| {
                 majorant(&mul(&x[g], &blocks.point::<Pack<S>>(at, g).inverse))
             });

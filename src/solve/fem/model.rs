@@ -9,6 +9,7 @@ use super::pass::{Field, Functions};
 use super::stiffness::element_matrix;
 use super::stress::Stress;
 use super::{mass, pass, stress};
+use crate::body::state::Particle;
 use crate::body::{BuildError, Solid, SolidLaw, TetMesh, Tets};
 use crate::law::elastic::tensor::unit;
 use crate::law::elastic::{
@@ -137,12 +138,11 @@ impl<S: Scalar> Model<S> {
         position: impl Fn(usize) -> [S; 3],
         mut add: impl FnMut(usize, [S; 3]),
     ) {
-        let mut field = Functions {
-            position,
-            velocity: |_| [S::ZERO; 3],
-            add: |n, elastic, _| add(n, elastic),
-        };
-        self.add_forces::<Pack<S>, false>(self.blocks(), &mut field);
+        self.add_of_functions::<false>(&mut Functions {
+            position: &position,
+            velocity: &|_| [S::ZERO; 3],
+            add: &mut |n, elastic, _| add(n, elastic),
+        });
     }
 
     /// Gives every node the elastic force of its elements and the stiffness-proportional damping force \[N\]. The mass-proportional
@@ -151,14 +151,18 @@ impl<S: Scalar> Model<S> {
         &self,
         position: impl Fn(usize) -> [S; 3],
         velocity: impl Fn(usize) -> [S; 3],
-        add: impl FnMut(usize, [S; 3], [S; 3]),
+        mut add: impl FnMut(usize, [S; 3], [S; 3]),
     ) {
-        let mut field = Functions {
-            position,
-            velocity,
-            add,
-        };
-        self.add_forces::<Pack<S>, true>(self.blocks(), &mut field);
+        self.add_of_functions::<true>(&mut Functions {
+            position: &position,
+            velocity: &velocity,
+            add: &mut add,
+        });
+    }
+
+    #[inline(never)]
+    fn add_of_functions<const DAMPED: bool>(&self, field: &mut Functions<S>) {
+        self.add_forces::<Pack<S>, DAMPED>(self.blocks(), field);
     }
 
     /// All blocks of elements.
@@ -243,16 +247,16 @@ impl<S: Scalar> Model<S> {
         by_kind!(self, (e, _) => Moments::new(e, &rest, inv_mass))
     }
 
-    /// Bounds of λ(M⁻¹K) and of λ(M⁻¹C), damping by mass included, at positions \[m\].
-    pub fn rates(&self, moments: &Moments<S>, position: impl Fn(usize) -> [S; 3]) -> [Rates; 2] {
+    /// Bounds of λ(M⁻¹K) and of λ(M⁻¹C), damping by mass included, where the particles are.
+    pub(crate) fn rates(&self, moments: &Moments<S>, particles: &[Particle<S>]) -> [Rates; 2] {
         let elastic = by_kind!(self, (_, b) => by_law!(self, Pack<S>, law => {
-            moments.rates(b, |f| law.majorant(f), &position)
+            moments.rates(b, |f| law.majorant(f), particles)
         }));
         let beta = self.solid.stiffness_damping;
         let mut damping = Rates::default();
         if beta > 0.0 {
             let law = Viscous::<Pack<S>>::proportional(beta, self.lame);
-            damping = by_kind!(self, (_, b) => moments.rates(b, |f| law.majorant(f), &position));
+            damping = by_kind!(self, (_, b) => moments.rates(b, |f| law.majorant(f), particles));
         }
         damping.largest += self.solid.mass_damping;
         [elastic, damping]

@@ -100,6 +100,6 @@ impl<S: Scalar> Part<S> {
 
     /// Bounds of λ(M⁻¹K) and of λ(M⁻¹C) as the particles stand.
     pub(crate) fn rates(&self, particles: &[Particle<S>]) -> [Rates; 2] {
-        self.model.rates(&self.moments, |n| particles[n].x)
+        self.model.rates(&self.moments, particles)
     }
 }

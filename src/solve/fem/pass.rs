@@ -74,31 +74,25 @@ pub(crate) fn add_forces<S, V, B, L, const N: usize, const G: usize, const DAMPE
     }
 }
 
-/// A field of functions of a node.
-pub(crate) struct Functions<X, V, A> {
+/// A field of functions of a node. They are called through pointers: the passes are long, and one for every law and element
+/// is enough.
+pub(crate) struct Functions<'a, S> {
     /// Position \[m\].
-    pub position: X,
+    pub position: &'a dyn Fn(usize) -> [S; 3],
     /// Velocity \[m/s\].
-    pub velocity: V,
+    pub velocity: &'a dyn Fn(usize) -> [S; 3],
     /// Called with a node and its forces \[N\], elastic and damping.
-    pub add: A,
+    pub add: &'a mut dyn FnMut(usize, [S; 3], [S; 3]),
 }
 
-impl<S, P, X, V, A> Field<S, P> for Functions<X, V, A>
-where
-    S: Scalar,
-    P: Packed<S>,
-    X: Fn(usize) -> [S; 3],
-    V: Fn(usize) -> [S; 3],
-    A: FnMut(usize, [S; 3], [S; 3]),
-{
+impl<S: Scalar, P: Packed<S>> Field<S, P> for Functions<'_, S> {
     #[inline(always)]
     fn positions<B: Basis<N, G>, const N: usize, const G: usize>(
         &self,
         blocks: &Blocks<S, B, N, G>,
         at: Batch,
     ) -> [[P; 3]; N] {
-        blocks.gather(at, &self.position)
+        blocks.gather(at, self.position)
     }
 
     #[inline(always)]
@@ -107,7 +101,7 @@ where
         blocks: &Blocks<S, B, N, G>,
         at: Batch,
     ) -> [[P; 3]; N] {
-        blocks.gather(at, &self.velocity)
+        blocks.gather(at, self.velocity)
     }
 
     #[inline(always)]

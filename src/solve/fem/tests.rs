@@ -1,4 +1,5 @@
 use super::*;
+use crate::body::state::{Particle, State};
 use crate::body::{Solid, SolidLaw, TetMesh};
 use crate::law::elastic::{polar, tensor};
 use crate::math::{DVec3, Scalar, Vector};
@@ -23,6 +24,12 @@ fn distorted() -> [TetMesh; 3] {
     }
     curved.check().unwrap();
     [mesh, quadratic, curved]
+}
+
+/// Particles at these places \[m\].
+fn at<S: Scalar>(places: impl IntoIterator<Item = [S; 3]>) -> Vec<Particle<S>> {
+    let still = |x| (x, [S::ZERO; 3], S::ZERO);
+    State::new(places.into_iter().map(still), []).particles
 }
 
 fn total_force(model: &Model<f64>, x: &[DVec3]) -> Vec<DVec3> {
@@ -262,7 +269,8 @@ fn the_stable_step_is_safe_and_close() {
                 let model = Model::<f64>::new(&mesh, Solid::new(1.0e6, poisson, 1000.0)).unwrap();
                 let inv_mass: Vec<f64> = model.masses().iter().map(|m| 1.0 / m).collect();
                 let moments = model.moments(|n| inv_mass[n]);
-                let [bound, damping] = model.rates(&moments, |n| mesh.nodes[n].to_array());
+                let [bound, damping] =
+                    model.rates(&moments, &at(mesh.nodes.iter().map(DVec3::to_array)));
                 let exact = fastest(&model, &mesh, &inv_mass);
                 let reached = (exact / bound.largest).sqrt();
                 println!(

@@ -52,6 +52,7 @@ impl DeformableWorld {
         let (mut groups, bonds) = self.gather(reaches, &group_of, &mut origins, far);
         self.add_bonds(&mut groups, bonds, &mut origins);
         for group in groups.values_mut() {
+            group.note_held();
             group.find_rigid_constraints(&mut origins);
             group.rows.bears = group.bears(&self.stiffly);
         }

@@ -486,3 +486,46 @@ fn a_sudden_pull_freezes_nothing() {
         assert!(off.abs() < 0.1, "{off}");
     }
 }
+
+/// A block welded to the middle of a plate falls with it. The two do not touch: forces and work are the weld's, as if
+/// collision groups had kept them apart. Once the weld has broken they do.
+#[test]
+fn nodes_do_not_touch_what_they_are_welded_to() {
+    let fall = |apart: bool, strength: f32| {
+        let (mut world, _) = floored(1.0 / 60.0);
+        let (plates, blocks) = (Group::GROUP_1, Group::GROUP_2);
+        let not = |own, other: Group| match apart {
+            true => InteractionGroups::new(own, !other, InteractionTestMode::And),
+            false => InteractionGroups::all(),
+        };
+        let plate = ColliderBuilder::cuboid(0.3, 0.05, 0.3).density(500.0);
+        let plate = plate.collision_groups(not(plates, blocks));
+        let body = RigidBodyBuilder::dynamic().translation(Vector::new(0.0, 0.3, 0.0));
+        let (plate, collider) = world.insert(body.linvel(Vector::new(0.5, -2.0, 0.0)), plate);
+        let mut set = DeformableWorld::new();
+        let block = cube(0.3).translation(Vector::new(0.0, 0.5, 0.0));
+        let block = block.linvel(Vector::new(0.5, -2.0, 0.0));
+        let soft = set
+            .insert(block.collision_groups(not(blocks, plates)))
+            .unwrap();
+        let weld = Attachment::weld(lowest(&set[soft])).strength(strength);
+        let weld = set.attach(soft, weld, plate, &world.bodies).unwrap();
+        let touched = |set: &DeformableWorld| {
+            let mut contacts = set.contacts_of(soft);
+            contacts.any(|c| c.partner == collider.into() && c.touching > 0)
+        };
+        let mut ever = false;
+        for _ in 0..120 {
+            set.step(&mut world);
+            let holds = !set.attachment(weld).unwrap().is_broken();
+            assert!(!holds || !touched(&set));
+            ever |= touched(&set);
+        }
+        (ever, set[soft].bounds().0.y, set[soft].energies().work)
+    };
+    let ((touched, _, work), (_, _, expected)) = (fall(false, 1e9), fall(true, 1e9));
+    assert!(!touched);
+    assert_eq!(work, expected);
+    let (touched, low, _) = fall(false, 500.0);
+    assert!(touched && (0.099..0.101).contains(&low), "{low}");
+}

@@ -2,7 +2,6 @@
 
 use super::gather::Gather;
 use super::*;
-use crate::body::State;
 use crate::solve::Solver;
 use crate::solve::forces::{Force, Forces};
 use crate::solve::kernel::Kernel;

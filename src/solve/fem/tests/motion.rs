@@ -1,5 +1,4 @@
 use super::*;
-use crate::body::state::State;
 use crate::shape::tet_box_of_cells;
 use crate::solve::Solver;
 
@@ -11,9 +10,8 @@ fn steps_at_the_bound_stay_bounded() {
             let model = Model::<f64>::new(&mesh, Solid::new(1.0e5, 0.3, 1000.0).damping(0.5, beta))
                 .unwrap();
             let inv_mass: Vec<f64> = model.masses().iter().map(|m| 1.0 / m).collect();
-            let rates = model.rates(&model.moments(|n| inv_mass[n]), |n| {
-                mesh.nodes[n].to_array()
-            });
+            let rest = at(mesh.nodes.iter().map(DVec3::to_array));
+            let rates = model.rates(&model.moments(|n| inv_mass[n]), &rest);
             let limit = longest(&model, rates, Integrator::SymplecticEuler);
             let grown = |h: f64| {
                 let mut x = mesh.nodes.clone();
@@ -69,7 +67,7 @@ fn v12_dynamic_patch() {
             .map(|(m, p)| if on_boundary(*p) { 0.0 } else { 1.0 / m })
             .collect();
         let free: Vec<f64> = model.masses().iter().map(|m| 1.0 / m).collect();
-        let rates = model.rates(&model.moments(|n| free[n]), |n| x[n]);
+        let rates = model.rates(&model.moments(|n| free[n]), &at(x.clone()));
         let h = 0.9 * longest(&model, rates, Integrator::SymplecticEuler);
         for _ in 0..(1.0 / h) as usize {
             let mut forces = vec![[0.0_f32; 3]; x.len()];
@@ -119,7 +117,8 @@ fn free_flight_conserves_momentum_and_energy() {
                         + 2.0 * DVec3::new(p.y * p.z, p.x, 0.0)
                 })
                 .collect();
-            let rates = model.rates(&model.moments(|n| 1.0 / masses[n]), |n| x[n].to_array());
+            let start = at(x.iter().map(DVec3::to_array));
+            let rates = model.rates(&model.moments(|n| 1.0 / masses[n]), &start);
             let h = 0.2 * longest(&model, rates, Integrator::VelocityVerlet);
             let state = |x: &[DVec3], v: &[DVec3]| {
                 let momentum: DVec3 = (0..x.len()).map(|n| masses[n] * v[n]).sum();
@@ -216,10 +215,10 @@ fn cost_of_a_pass() {
             }
             let pass =
                 start.elapsed().as_secs_f64() / f64::from(passes) / model.element_count() as f64;
-            let moments = model.moments(|_| 1.0);
+            let (moments, particles) = (model.moments(|_| 1.0), at(x.clone()));
             let start = std::time::Instant::now();
             let rates: Vec<_> = (0..passes)
-                .map(|_| model.rates(&moments, |n| x[n]))
+                .map(|_| model.rates(&moments, &particles))
                 .collect();
             let bound =
                 start.elapsed().as_secs_f64() / f64::from(passes) / model.element_count() as f64;
