@@ -20,7 +20,7 @@ use super::linkage::Mobility;
 use super::memory::BodyMemory;
 use super::observe::{Answer, displacement_share, inv_inertia};
 use crate::contact::target::wide_rotation;
-use crate::math::{DQuat, DVec3, Pose, Vector, narrow, wide};
+use crate::math::{DMat3, DQuat, DVec3, Pose, Vector, narrow, wide};
 use crate::solve::shadow::Shadow;
 use rapier3d::dynamics::{IntegrationParameters, RigidBody};
 
@@ -108,7 +108,8 @@ pub fn before_step(
             let impulse = per_axis(drift / dt, inv_mass);
             give(body, (impulse, DVec3::ZERO));
             pending.given = impulse;
-            if inv_inertia(body).inverse().is_finite() {
+            // About locked axes as well: it turns by what it has, whatever answers an impulse.
+            if inv_inertia(body) != DMat3::ZERO {
                 let flight = Flight::new(body, spin_up, parameters, dt);
                 let spin = flight.spin_to(end.rot, 0.5 * (start.w + end.w));
                 body.set_angvel(narrow(spin), false);
