@@ -32,7 +32,8 @@ const PRESSED: f64 = 2.0;
 /// 215/s.
 const STIFF: f64 = 240.0 * PRESSED;
 
-/// The ω·Δt from which on springs are stiff for the joints of a body that holds them, ω being the highest frequency there is. Under a
+/// The ω·Δt from which on springs are stiff for the joints of a body that holds them, ω being the highest frequency there is, and
+/// which that of the body on all of them is to have at most then. Under a
 /// car of 876 kg four carriers of 20 kg with feet of 20 kg on fixed joints made 1.8 kJ a second at 15.6, 0.4 kJ at 7.8 and nothing at
 /// 3.5; a block of rubber on a chain of light links exploded at 4.9 as it was with a value of 5 here; one of 77 kg on wheels is calm at 4.3.
 const SWIFT: f64 = 4.5;
@@ -200,19 +201,16 @@ impl Load {
         if mass == 0.0 || !body.is_dynamic() || body.is_sleeping() || !body.is_enabled() {
             return 0.0;
         }
-        let contact = match Mount::of(handle, parts) {
-            Mount::Link => return (self.stiffness / mass).sqrt() * dt / LINKED,
-            // What stops the others stops it.
-            Mount::Joints if self.is_swift(dt) => {
-                Some(parts.integration_parameters.static_contact_softness)
-            }
-            Mount::Joints => None,
-            Mount::None => softest_contact(body, parts),
-        };
-        contact.map_or(0.0, |contact| {
-            let pressed = self.stiffness * dt / damper(&contact, body) / PRESSED;
-            pressed.max(self.held / mass / CALM)
-        })
+        let swings = (self.stiffness / mass).sqrt() * dt;
+        match Mount::of(handle, parts) {
+            Mount::Link => swings / LINKED,
+            Mount::Joints if self.is_swift(dt) => swings / SWIFT,
+            Mount::Joints => 0.0,
+            Mount::None => softest_contact(body, parts).map_or(0.0, |contact| {
+                let pressed = self.stiffness * dt / damper(&contact, body) / PRESSED;
+                pressed.max(self.held / mass / CALM)
+            }),
+        }
     }
 
     /// Whether its body is not to lead the nodes where a step of Rapier's, `usual` s long if it was not cut, takes it.

@@ -9,8 +9,11 @@
 //! A light node between two heavy bodies takes as many passes as they are heavier than it, if each row sees the node
 //! alone. Rows that share a node with rows on that node alone see what those make of it instead, see `squeeze`, and share the
 //! load of a body evenly, see `spread`.
+//!
+//! Rows of one body at nearly the same point undo what the others do: they are solved together, see `bundle`.
 
 mod between;
+mod bundle;
 mod climb;
 mod composite;
 mod contact;
@@ -33,6 +36,7 @@ use crate::law::row::allowed_velocity;
 use crate::math::DVec3;
 use crate::solve::shadow::Shadow;
 pub use between::BetweenShadows;
+use bundle::Bundles;
 use climb::Attempt;
 use composite::Composites;
 pub use contact::Row;
@@ -133,6 +137,7 @@ pub struct Rows {
     bearers: Vec<Bearer>,
     heaps: Heaps,
     tried: Vec<usize>,
+    bundles: Bundles,
     worklist: Worklist,
     answers: Answers,
 }

@@ -1,5 +1,6 @@
 //! Gauss–Seidel passes over all rows of a group.
 
+use super::bundle::Bundles;
 use super::climb::Attempt;
 use super::composite::Composites;
 use super::contact::{LEVER, Response};
@@ -65,6 +66,7 @@ impl Rows {
             squeeze: &self.squeeze,
             held: &mut self.held,
             attempt: &mut self.attempt,
+            bundles: &mut self.bundles,
             fallen: &mut self.fallen,
             composites: &mut self.composites,
             worklist: &mut self.worklist,
@@ -80,6 +82,7 @@ impl Rows {
         };
         pass.prepare();
         pass.prepare_lifts(self.push_out);
+        pass.find_bundles();
         pass.follow_all();
         pass.start_shadows();
         pass.start_warm(&mut self.clusters);
@@ -149,6 +152,7 @@ pub(super) struct Pass<'a> {
     pub squeeze: &'a Squeeze,
     pub held: &'a mut [Held],
     pub attempt: &'a mut Attempt,
+    pub bundles: &'a mut Bundles,
     pub fallen: &'a mut [f64],
     pub composites: &'a mut Composites,
     pub worklist: &'a mut Worklist,
@@ -329,11 +333,15 @@ impl Pass<'_> {
             if !self.worklist.visit(i, terms, [row.shadow; 2]) {
                 continue;
             }
-            changed |= if self.is_squeezed(i) {
+            let felt = if self.is_squeezed(i) {
                 self.solve_squeezed(i)
             } else {
                 self.solve_row(i)
             };
+            if felt {
+                self.solve_bundle(i);
+            }
+            changed |= felt;
         }
         changed
     }

@@ -60,7 +60,7 @@ impl Pass<'_> {
     /// Has those looked at again that feel this change of a row's impulse \[N·s\]; whether there are any. One visit of a row that
     /// nothing else moves is exact.
     #[inline(always)]
-    fn note(&mut self, i: usize, change: DVec3) -> bool {
+    pub(super) fn note(&mut self, i: usize, change: DVec3) -> bool {
         let row = &self.contacts[i];
         let is_only = self.squeezed && self.squeeze.is_only(row, self.points.terms);
         if is_only && !self.worklist.moves(row.shadow) {
