@@ -241,7 +241,7 @@ impl<S: Scalar> Model<S> {
         by_kind!(self, (e, _) => by_law!(self, f64, law => stress::stresses(e, &law, position).collect()))
     }
 
-    /// What [`Self::rates`] needs to know of the masses: 1/m of each node \[1/kg\].
+    /// What bounds of rates need to know of the masses: 1/m of each node \[1/kg\].
     pub fn moments(&self, inv_mass: impl Fn(usize) -> f64) -> Moments<S> {
         let rest = by_law!(self, f64, law => law.majorant(&unit()));
         by_kind!(self, (e, _) => Moments::new(e, &rest, inv_mass))
