@@ -33,9 +33,9 @@ const PRESSED: f64 = 2.0;
 const STIFF: f64 = 240.0 * PRESSED;
 
 /// The ω·Δt from which on springs are stiff for the joints of a body that holds them, ω being the highest frequency there is, and
-/// which that of the body on all of them is to have at most then. Under a
-/// car of 876 kg four carriers of 20 kg with feet of 20 kg on fixed joints made 1.8 kJ a second at 15.6, 0.4 kJ at 7.8 and nothing at
-/// 3.5; a block of rubber on a chain of light links exploded at 4.9 as it was with a value of 5 here; one of 77 kg on wheels is calm at 4.3.
+/// which the body's own on all of them has at most in shorter steps. Under a car of 876 kg four carriers of 20 kg with feet of
+/// 20 kg on fixed joints made 1.8 kJ a second at 15.6, 0.4 kJ at 7.8 and nothing at 3.5; a block of rubber on a chain of light links
+/// exploded at 4.9 as it was with a value of 5 here; one of 77 kg on wheels is calm at 4.3.
 const SWIFT: f64 = 4.5;
 
 /// The ω·Δt of a link of a multibody on the springs behind its nodes, at most: it feels them as one force over the step. An arm
