@@ -295,9 +295,12 @@ mod tests {
             let by = bundle.velocities(&impulses);
             for a in 0..rows.len() {
                 let left = free[a] + by[a];
+                let felt = |b: usize| (bundle.response[a][b] * impulses[b]).abs();
+                // Nearly singular ones take large impulses.
+                let rounding = 1e-8 * (1.0 + (0..rows.len()).map(felt).sum::<f64>());
                 prop_assert!(impulses[a] >= 0.0);
-                prop_assert!(left > -1e-6, "{left}");
-                prop_assert!(impulses[a] == 0.0 || left < 1e-6, "{left} by {}", impulses[a]);
+                prop_assert!(left > -rounding, "{left}");
+                prop_assert!(impulses[a] == 0.0 || left < rounding, "{left} by {}", impulses[a]);
             }
         }
     }
