@@ -4,7 +4,7 @@
 //! What one of them does the others feel nearly in full, and where one may come nearer than another, each visit of the one
 //! undoes most of what the last of the other did: the load changes over from one face to the next in a dozen substeps, in which
 //! the body sinks into the second, and on four at once it never settles. So their normal impulses are found together: j ≥ 0 with
-//! velocities v + K·Δj that are what they must be, or more where j = 0, by a method of active sets (Cottle, Pang & Stone 1992, ch. 4).
+//! velocities v + K·Δj that are what they must be, or more where j = 0, by a method of active sets (Lawson & Hanson 1974, ch. 23).
 
 use super::Row;
 use super::pass::Pass;
@@ -13,6 +13,8 @@ use super::pass::Pass;
 const ALIKE: f64 = 0.6;
 /// How many rows are found together at most.
 const MOST: usize = 8;
+/// Rounds of looking for them, per row: a few are usual.
+const ROUNDS: usize = 8;
 /// By what share the responses of a bundle are more than they are, for rows that can't be told apart, and what is no velocity
 /// \[m/s\].
 const SAME: f64 = 1e-9;
@@ -86,24 +88,35 @@ impl Bundle {
         self.response.each_ref().map(by)
     }
 
-    /// The impulses with which velocities that would be `free` without them are 0, or more where an impulse is 0; `None` where they are
-    /// not found. Those of the bits of `active` are tried first.
-    fn solve(&self, free: &Each, mut active: u32) -> Option<Each> {
-        let least = |values: &Each, among: u32| {
-            let all = (0..self.count).filter(|a| among >> a & 1 == 1);
-            let least = all.min_by(|a, b| values[*a].total_cmp(&values[*b]));
-            least.filter(|a| values[*a] < 0.0)
-        };
-        for _ in 0..4 * self.count {
-            let impulses = self.solve_active(free, active)?;
-            if let Some(pulls) = least(&impulses, active) {
-                active &= !(1 << pulls);
+    /// The impulses with which velocities that would be `free` without them are 0, or more where an impulse is 0, from some that push
+    /// on; `None` where rounding hides them. Every round leads downhill, so none comes twice.
+    fn solve(&self, free: &Each, mut impulses: Each) -> Option<Each> {
+        let is_active = |active: u32, a: &usize| active >> *a & 1 == 1;
+        let pushing = (0..self.count).filter(|a| impulses[*a] > 0.0);
+        let mut active = pushing.fold(0_u32, |bits, a| bits | 1 << a);
+        for _ in 0..ROUNDS * self.count {
+            let wanted = self.solve_active(free, active)?;
+            // The first that would have to pull on the way there.
+            let pulls = (0..self.count).filter(|a| is_active(active, a) && wanted[*a] <= 0.0);
+            let part = |a: usize| impulses[a] / (impulses[a] - wanted[a]);
+            if let Some(first) = pulls.min_by(|a, b| part(*a).total_cmp(&part(*b))) {
+                let part = part(first);
+                for a in (0..self.count).filter(|a| is_active(active, a)) {
+                    impulses[a] += part * (wanted[a] - impulses[a]);
+                }
+                impulses[first] = 0.0;
+                active &= !(1 << first);
                 continue;
             }
-            let by = self.velocities(&impulses);
-            let left = std::array::from_fn(|a| free[a] + by[a] + SAME * free[a].abs());
-            match least(&left, !active) {
-                Some(sinks) => active |= 1 << sinks,
+            impulses = wanted;
+            let left = |a: usize| {
+                let by = (0..self.count).map(|b| self.response[a][b] * impulses[b]);
+                let (sum, size) = by.fold((0.0, 0.0), |(sum, size), v| (sum + v, size + v.abs()));
+                free[a] + sum + SAME * (free[a].abs() + size)
+            };
+            let sinks = (0..self.count).filter(|a| !is_active(active, a) && left(*a) < 0.0);
+            match sinks.min_by(|a, b| left(*a).total_cmp(&left(*b))) {
+                Some(deepest) => active |= 1 << deepest,
                 None => return Some(impulses),
             }
         }
@@ -230,19 +243,17 @@ impl Pass<'_> {
         };
         let bundle = self.bundles.all[number as usize];
         let (mut excess, mut before) = (Each::default(), Each::default());
-        let (mut active, mut is_settled) = (0, true);
+        let mut is_settled = true;
         for (a, row) in bundle.rows().enumerate() {
             (excess[a], before[a]) = (self.excess(row), self.contacts[row].normal_impulse);
-            let bears = before[a] > 0.0;
-            is_settled &= excess[a] >= -SAME && (!bears || excess[a] <= SAME);
-            active |= u32::from(bears || excess[a] < 0.0) << a;
+            is_settled &= excess[a] >= -SAME && (before[a] == 0.0 || excess[a] <= SAME);
         }
         if is_settled {
             return;
         }
         let by = bundle.velocities(&before);
         let free = std::array::from_fn(|a| excess[a] - by[a]);
-        let Some(impulses) = bundle.solve(&free, active) else {
+        let Some(impulses) = bundle.solve(&free, before) else {
             return;
         };
         for (a, i) in bundle.rows().enumerate() {
@@ -286,10 +297,12 @@ mod tests {
             rows in prop::collection::vec(prop::array::uniform3(-1.0..1.0f64), 1..6),
             free in prop::array::uniform8(-1.0..1.0f64),
             alone in prop_oneof![Just(1e-6), 1e-3..1.0f64],
-            start in 0u32..64,
+            start in prop::array::uniform8(0.0..1.0f64),
         ) {
             let bundle = bundle(&rows, alone);
-            let impulses = bundle.solve(&free, start & ((1 << rows.len()) - 1));
+            let mut start = start.map(|x| (2.0 * x - 1.0).max(0.0));
+            start[rows.len()..].fill(0.0);
+            let impulses = bundle.solve(&free, start);
             prop_assert!(impulses.is_some());
             let impulses = impulses.unwrap_or_default();
             let by = bundle.velocities(&impulses);
@@ -309,9 +322,8 @@ mod tests {
     #[test]
     fn the_deeper_of_two_bears_the_load() {
         let pair = bundle(&[[1.0, 0.0, 0.0], [1.0, 1e-4, 0.0]], 0.0);
-        let impulses = pair
-            .solve(&[-1.0, -1.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], 1)
-            .unwrap();
+        let free = [-1.0, -1.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let impulses = pair.solve(&free, Each::default()).unwrap();
         assert_eq!(impulses[0], 0.0);
         assert!((impulses[1] - 1.1).abs() < 1e-6, "{impulses:?}");
     }
