@@ -108,7 +108,7 @@ pub fn before_step(
             let impulse = per_axis(drift / dt, inv_mass);
             give(body, (impulse, DVec3::ZERO));
             pending.given = impulse;
-            // About locked axes as well: it turns by what it has, whatever answers an impulse.
+            // Some axis that is not locked is enough: about the others its shadow has not turned either.
             if inv_inertia(body) != DMat3::ZERO {
                 let flight = Flight::new(body, spin_up, parameters, dt);
                 let spin = flight.spin_to(end.rot, 0.5 * (start.w + end.w));

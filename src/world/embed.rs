@@ -92,7 +92,7 @@ impl Deformable {
         (side, slots)
     }
 
-    /// The points that touch and are carried by some of these nodes alone, which are in ascending order, as those are.
+    /// The points that touch and are carried by some of these nodes alone; both are in ascending order.
     pub(super) fn points_of(&self, nodes: &[u32]) -> Vec<u32> {
         let Some(embedded) = &self.embedded else {
             return nodes.to_vec();

@@ -74,8 +74,7 @@ pub(crate) fn add_forces<S, V, B, L, const N: usize, const G: usize, const DAMPE
     }
 }
 
-/// A field of functions of a node. They are called through pointers: the passes are long, and one for every law and element
-/// is enough.
+/// A field of functions of a node, called through pointers: the passes are long, and would be compiled for each caller.
 pub(crate) struct Functions<'a, S> {
     /// Position \[m\].
     pub position: &'a dyn Fn(usize) -> [S; 3],

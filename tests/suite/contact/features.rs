@@ -194,7 +194,7 @@ fn a_thick_rope_keeps_its_distance_from_a_bar_between_its_nodes() {
 }
 
 /// A ball in a hollow of a sheet touches the four faces around a node. Their rows undid each other's impulses: nodes trembled at
-/// 0.1 to 0.2 m/s for good, by 20 mW of `push_out`, and friction's work fell.
+/// 0.1 to 0.3 m/s for good, by 20 mW of `push_out`, and friction's work fell.
 #[test]
 fn a_ball_lies_still_on_the_faces_around_a_node() {
     let mut world = PhysicsWorld::default();
