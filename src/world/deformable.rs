@@ -4,6 +4,7 @@ use super::course::NodeCourses;
 use super::motion::{Books, Start};
 use super::params::{DeformableParameters, Substeps};
 use super::sleep::Sleep;
+use super::span::{Span, Way};
 use super::steady::Steadiness;
 use super::subset::Incident;
 use crate::body::search::tree::Cache;
@@ -59,6 +60,10 @@ pub struct Deformable {
     pub(super) edits: u64,
     /// A bound on how far any node moved in the last substep \[m\].
     pub(super) moved: f64,
+    /// How its nodes moved in that, if it could meet others, and nothing has moved them since.
+    pub(super) way: Option<Way>,
+    /// Between which velocities they go into the coming one, if it can.
+    pub(super) span: Span,
     /// How far nodes were moved after the last step's substeps to lie on their rigid bodies \[m\].
     pub(super) shifted: f64,
     /// What was booked at the start of the rigid step.

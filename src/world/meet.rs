@@ -263,8 +263,7 @@ pub(super) fn find_rows(
     let Ok([(_, a), (_, b)]) = members.get_disjoint_mut(places) else {
         return 0.0;
     };
-    let moved = a.moved + b.moved;
-    let closing = h * (a.fastest() + b.fastest());
+    let (moved, closing) = (a.closed(b), h * a.closing(b));
     // Taken out for as long as the rest of the bodies is looked at.
     let [Some(mut of_a), Some(mut of_b)] = [&mut *a, &mut *b].map(|body| body.outline.take())
     else {

@@ -44,6 +44,7 @@ mod sleep;
 mod snapshot;
 mod solid;
 mod solve;
+mod span;
 mod steady;
 mod step;
 mod stir;

@@ -276,6 +276,7 @@ impl Deformable {
             for (node, target) in led {
                 let way = self.state.position(node as usize).distance(target);
                 self.moved += way;
+                self.way = None;
                 if self.solver.last_substep.is_none() {
                     // The step went wrong and was taken back: it has not been led there.
                     self.edit_at([node], |body| {
@@ -322,7 +323,7 @@ impl Deformable {
         self.solver.events.clear();
         self.solver.last_substep = None;
         self.start.restored = false;
-        self.moved = 0.0;
+        (self.moved, self.way) = (0.0, None);
         self.edits += 1;
         self.rebuild_table();
         self.solver.forget_forces();

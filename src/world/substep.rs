@@ -5,6 +5,7 @@ use super::observer::{
     AttachmentImpulse, NodeImpulse, Observer, PairImpulse, Partner, SpringEvent, SpringEventKind,
     Substep,
 };
+use super::span::Way;
 use super::ties::{Attached, mirrored};
 use super::touch::PairSum;
 use super::work::HalfKick;
@@ -156,7 +157,7 @@ impl Group {
         self.solve_rows(h, s.passes, reversed);
         self.remember(s);
         self.push_out(h, s);
-        self.note_ways(h);
+        self.note_ways(h, time, s);
         self.list_node_impulses(observer.wants_node_impulses());
         self.book_work();
         self.book_ties(h, time);
@@ -224,6 +225,14 @@ impl Group {
                 c.find_rows(site, moved, closing, s.near);
             }
         }
+        if !self.encounters.is_empty() {
+            for (_, body) in &mut self.members {
+                body.span = body.span_of_velocities(s.length_unit);
+                if let Some(outline) = &mut body.outline {
+                    outline.loosen();
+                }
+            }
+        }
         for encounter in &mut self.encounters {
             let closing = meet::find_rows(encounter, &mut self.members, &mut self.rows, h, s);
             most = most.max(closing);
@@ -255,14 +264,23 @@ impl Group {
     }
 
     /// How far every body has moved in the substep at most: what it moved freely, and what rows did to its nodes.
-    fn note_ways(&mut self, h: f64) {
+    fn note_ways(&mut self, h: f64, time: f64, s: &Settings) {
+        let meets = !self.encounters.is_empty();
         for (_, body) in &mut self.members {
             body.moved = 0.0;
+            body.way = (meets && body.integrator().takes_late_impulses()).then(|| Way {
+                ended: time,
+                h,
+                span: body.span_of_velocities(s.length_unit),
+            });
         }
         for (node, place) in self.rows.nodes.iter().zip(&self.places) {
             let body = &mut self.members[node.body as usize].1;
-            let shift = body.state.local(node.node as usize).distance(*place);
-            body.moved = body.moved.max(shift);
+            let shift = body.state.local(node.node as usize) - *place;
+            body.moved = body.moved.max(shift.length());
+            if let Some(way) = &mut body.way {
+                way.span = way.span.with(node.free + shift / h);
+            }
         }
         for (_, body) in &mut self.members {
             let speed = body.solver.top_speed();

@@ -7,10 +7,10 @@
 //! Bodies must be found to be near each other first; an encounter of a body with itself would differ only in leaving out
 //! what hangs together.
 
-mod apart;
 pub mod edge;
 mod levers;
 pub mod manners;
+mod near;
 pub mod node;
 pub mod outline;
 pub mod posed;
@@ -19,8 +19,8 @@ pub mod search;
 pub mod touch;
 
 use crate::solve::rows::Rows;
-use apart::Apart;
 use manners::Manners;
+use near::Near;
 use touch::Touches;
 
 /// Two deformables that may touch.
@@ -39,19 +39,14 @@ pub struct Encounter {
     /// Nodes of each that are attached to the other: these do not touch it.
     pub attached: [Vec<u32>; 2],
     /// Nodes of each near elements of the other, sorted.
-    nodes: [Vec<(u32, u32)>; 2],
+    nodes: [Vec<Near>; 2],
     /// Edges of the first near edges of the second, sorted.
-    edges: Vec<(u32, u32)>,
+    edges: Vec<Near>,
     /// How far things may still move before the lists are stale \[m\].
     budget: f64,
-    /// How far they have moved since the lists were made \[m\], and how far apart what is listed was: found anew after a
-    /// restart.
+    /// How far they have moved since the lists were made, or since a restart \[m\].
     #[cfg_attr(feature = "serde-serialize", serde(skip))]
     way: f64,
-    #[cfg_attr(feature = "serde-serialize", serde(skip))]
-    nodes_apart: [Apart; 2],
-    #[cfg_attr(feature = "serde-serialize", serde(skip))]
-    edges_apart: Apart,
     node_touches: [Touches; 2],
     edge_touches: Touches,
     /// How much farther inside than the way of a substep something can be that did not touch \[m\]: what was done to the
@@ -73,8 +68,6 @@ impl Encounter {
             edges: Vec::new(),
             budget: -1.0,
             way: 0.0,
-            nodes_apart: Default::default(),
-            edges_apart: Apart::default(),
             node_touches: Default::default(),
             edge_touches: Touches::default(),
             unseen: f64::MAX,

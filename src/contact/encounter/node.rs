@@ -4,6 +4,7 @@
 //! folds). Sides are remembered by the normal of the last row: a node that has been pressed into a solid leaves it through
 //! the face it came by, not through the one that happens to be nearest, and one pressed through a sheet is brought back.
 
+use super::near::Near;
 use super::posed::{Posed, Way};
 use super::touch::Touch;
 use crate::contact::closest::Feature;
@@ -18,6 +19,9 @@ const ALONG: f64 = -0.5;
 
 /// How far beside a rim a node still counts as lying on it, per distance that counts as touching.
 const RIM: f64 = 100.0;
+
+/// By what share rounding may tell two distances to the same point apart.
+const TIE: f64 = 1e-9;
 
 /// A point of the other body that a node can touch.
 #[derive(Clone, Copy, Debug)]
@@ -52,7 +56,9 @@ pub struct Query<'a> {
     /// How fast it moves \[m/s\].
     pub v: DVec3,
     /// Pairs of the node and elements near it.
-    pub near: &'a [(u32, u32)],
+    pub near: &'a mut [Near],
+    /// How far both have moved since these were listed \[m\].
+    pub way: f64,
     /// What it touched in the last substep.
     pub known: &'a [Touch],
     /// −1 for nodes of the second body: touches keep normals from the second body to the first.
@@ -68,48 +74,60 @@ pub struct Query<'a> {
 }
 
 impl Query<'_> {
-    /// How far off the nearest element is \[m\], and what the node can touch.
-    pub fn find(&self) -> (f64, [Option<Found>; 2]) {
+    /// What the node can touch.
+    pub fn find(&mut self) -> [Option<Found>; 2] {
+        let most = self.most();
+        let (nearest, faces) = self.nearest(most);
+        let Some(best) = nearest.filter(|best| best.squared.sqrt() <= most) else {
+            return [None; 2];
+        };
+        let seen = self.see(&best);
+        let seen = seen.filter(|f| f.gap <= self.farthest() && self.can_be(f));
+        let Some(first) = seen else {
+            return [None; 2];
+        };
+        let is_hit = best.nearest.feature == Feature::Face && best.element == first.element;
+        let others = faces > u32::from(is_hit);
+        let second = others.then(|| self.second(&first)).flatten();
+        [Some(first), second]
+    }
+
+    /// The nearest point, if any may be within `most` m, and how many faces are hit inside.
+    fn nearest(&mut self, most: f64) -> (Option<Way>, u32) {
+        let deepest = self.deepest_unknown() + self.deepest_known();
         let mut best: Option<Way> = None;
         let mut faces = 0;
-        for &(_, element) in self.near {
-            if self.other.outline.is_gone(element, self.other.state) {
+        for near in &mut *self.near {
+            // What is farther off than the node can be inside, and than another, is nothing to it.
+            let at_least = near.at_least(self.way);
+            let is_behind =
+                |best: &Way| at_least > deepest && at_least * at_least > (1.0 + TIE) * best.squared;
+            if at_least > most || best.as_ref().is_some_and(is_behind) {
                 continue;
             }
-            let way = self.other.nearest(element, self.x);
+            if self.other.outline.is_gone(near.other, self.other.state) {
+                continue;
+            }
+            let way = self.other.nearest(near.other, self.x);
+            near.note(self.way, way.squared.sqrt());
             faces += u32::from(way.nearest.feature == Feature::Face);
             if best.is_none_or(|b| way.squared < b.squared) {
                 best = Some(way);
             }
         }
-        let Some(best) = best else {
-            return (f64::INFINITY, [None; 2]);
-        };
-        let apart = best.squared.sqrt();
-        if self.is_out_of_reach(apart) {
-            return (apart, [None; 2]);
-        }
-        let seen = self.see(&best);
-        let seen = seen.filter(|f| f.gap <= self.farthest() && self.can_be(f));
-        let Some(first) = seen else {
-            return (apart, [None; 2]);
-        };
-        let others = faces > u32::from(best.nearest.feature == Feature::Face);
-        let second = others.then(|| self.second(&first)).flatten();
-        (apart, [Some(first), second])
+        (best, faces)
     }
 
-    /// Whether a node that is `apart` m off all of them can touch nothing.
-    pub fn is_out_of_reach(&self, apart: f64) -> bool {
-        let most = if !self.other.outline.closed {
+    /// How far off the nearest element may be for the node to touch anything \[m\].
+    fn most(&self) -> f64 {
+        if !self.other.outline.closed {
             self.farthest()
         } else if self.known.is_empty() {
             // Under a rim the nearest element is not the one that bears the node.
             self.deepest_unknown().max(RIM * self.reach.touching)
         } else {
             f64::INFINITY
-        };
-        apart > most
+        }
     }
 
     /// No row for what is farther off than this \[m\].
@@ -122,11 +140,15 @@ impl Query<'_> {
         self.farthest() + self.unseen
     }
 
+    /// How deep it was \[m\].
+    fn deepest_known(&self) -> f64 {
+        self.known.iter().map(|t| t.depth).fold(0.0, f64::max)
+    }
+
     /// Whether the node can have come that deep since the last substep. If not, a crumpled surface has turned inside out, or
     /// the node slid round an edge and this is not the face that bears it.
     fn can_be(&self, found: &Found) -> bool {
-        let depths = self.known.iter().map(|t| t.depth);
-        let was = depths.fold(0.0, f64::max);
+        let was = self.deepest_known();
         let other = self.other.velocity(found.element, found.weights);
         let into = (other - self.v).dot(found.normal);
         self.distance - found.gap <= was.max(self.distance) + self.reach.come(into) + self.unseen
@@ -235,7 +257,7 @@ impl Query<'_> {
     /// For a node inside a solid: the nearest face that looks the way it came.
     fn way_back(&self, last: DVec3) -> Option<Found> {
         let mut best: Option<(f64, Found)> = None;
-        for &(_, element) in self.near {
+        for &Near { other: element, .. } in &*self.near {
             let normal = self.other.face_normal(element);
             if normal.dot(last) < 0.5 {
                 continue;
@@ -280,7 +302,7 @@ impl Query<'_> {
     /// The nearest face, hit inside, that looks another way than the first.
     fn second(&self, first: &Found) -> Option<Found> {
         let mut best: Option<(f64, Found)> = None;
-        for &(_, element) in self.near {
+        for &Near { other: element, .. } in &*self.near {
             let outline = self.other.outline;
             let is_face = (element as usize) < outline.faces && !outline.is_torn(element);
             if !is_face || element == first.element {

@@ -63,6 +63,8 @@ pub struct Outline {
     /// Shortest edge at rest \[m\]; infinite without edges.
     pub spacing: f64,
     tree: Bvh,
+    /// Whether the tree is where the elements are.
+    fitted: bool,
 }
 
 /// The shortest edge of a body's faces, or of its springs where it has none, at rest \[m\].
@@ -254,8 +256,16 @@ impl Outline {
         a.iter().any(|n| b.contains(n))
     }
 
-    /// Brings the tree to where the elements are, in the body's own frame.
+    /// The body has moved: its tree is to be brought up to date before it is looked at.
+    pub fn loosen(&mut self) {
+        self.fitted = false;
+    }
+
+    /// Brings the tree to where the elements are, in the body's own frame, if it is not yet.
     pub fn refit(&mut self, state: &State<Real>) {
+        if std::mem::replace(&mut self.fitted, true) {
+            return;
+        }
         let bounds = |e: &[u32; 3]| {
             let [a, b, c] = e.map(|n| state.local(n as usize).as_vec3());
             Aabb::new(a.min(b).min(c), a.max(b).max(c))
@@ -289,6 +299,12 @@ impl Outline {
         let radius = radius + 1e-6 * x.abs().max_element();
         (x + radius).cmpge(root.mins.as_dvec3()).all()
             && (x - radius).cmple(root.maxs.as_dvec3()).all()
+    }
+
+    /// The corners of the box around the whole body in its own frame \[m\].
+    pub fn bounds(&self) -> [DVec3; 2] {
+        let root = self.tree.root_aabb();
+        [root.mins.as_dvec3(), root.maxs.as_dvec3()]
     }
 
     /// Half the diagonal of the box around the whole body \[m\], when the tree was last brought up to date.

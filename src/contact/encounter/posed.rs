@@ -50,6 +50,20 @@ impl<'a> Posed<'a> {
         self.outline.may_hold(x - self.shift, radius)
     }
 
+    /// How far the boxes around the whole bodies are apart, or less \[m\].
+    pub fn apart(&self, other: &Self) -> f64 {
+        let corners = |body: &Self| body.outline.bounds().map(|x| x + body.shift);
+        let ([from, to], [lo, hi]) = (corners(self), corners(other));
+        let apart = (from - hi).max(lo - to).max(DVec3::ZERO).length();
+        // Boxes are of f32.
+        let size = self
+            .outline
+            .bounds()
+            .into_iter()
+            .chain(other.outline.bounds());
+        apart - 1e-6 * size.map(|x| x.abs().max_element()).fold(0.0, f64::max)
+    }
+
     /// The corners of an element \[m\].
     #[inline(always)]
     pub fn corners(&self, element: u32) -> [DVec3; 3] {

@@ -1,9 +1,9 @@
 //! The rows of an encounter.
 
 use super::Encounter;
-use super::apart::Apart;
 use super::edge;
 use super::levers;
+use super::near::{Near, of_the_same};
 use super::node::{Found, Query};
 use super::posed::Posed;
 use super::touch::{Touch, Touches};
@@ -68,43 +68,41 @@ impl Encounter {
     pub fn add_rows(&mut self, bodies: &mut Bodies, rows: &mut Rows, reach: Reach) {
         for own in 0..2 {
             let mut touches = std::mem::take(&mut self.node_touches[own]);
-            let mut apart = std::mem::take(&mut self.nodes_apart[own]);
+            let mut list = std::mem::take(&mut self.nodes[own]);
             touches.begin(rows);
-            apart.fit(self.nodes[own].len());
-            self.add_node_rows(own, (&mut touches, &mut apart), bodies, rows, reach);
-            (self.node_touches[own], self.nodes_apart[own]) = (touches, apart);
+            self.add_node_rows(own, (&mut touches, &mut list), bodies, rows, reach);
+            (self.node_touches[own], self.nodes[own]) = (touches, list);
         }
         let mut touches = std::mem::take(&mut self.edge_touches);
-        let mut apart = std::mem::take(&mut self.edges_apart);
+        let mut list = std::mem::take(&mut self.edges);
         touches.begin(rows);
-        apart.fit(self.edges.len());
-        self.add_edge_rows((&mut touches, &mut apart), bodies, rows, reach);
-        (self.edge_touches, self.edges_apart) = (touches, apart);
+        self.add_edge_rows((&mut touches, &mut list), bodies, rows, reach);
+        (self.edge_touches, self.edges) = (touches, list);
     }
 
     /// Rows of the nodes of body `own` on the elements of the other.
     fn add_node_rows(
         &self,
         own: usize,
-        (touches, apart): (&mut Touches, &mut Apart),
+        (touches, mut rest): (&mut Touches, &mut [Near]),
         bodies: &mut Bodies,
         rows: &mut Rows,
         reach: Reach,
     ) {
-        let (mut at, mut from) = (0, 0);
-        let list = &self.nodes[own];
-        while let Some(&(node, _)) = list.get(at) {
-            let start = at;
-            at += list[at..].iter().take_while(|p| p.0 == node).count();
+        let mut from = 0;
+        while let Some((near, others)) = of_the_same(rest) {
+            rest = others;
+            let node = near[0].own;
             if self.attached[own].contains(&node) {
                 continue;
             }
             let (mine, other) = (bodies.posed[own], bodies.posed[1 - own]);
-            let query = Query {
+            let mut query = Query {
                 other,
                 x: mine.at(node),
                 v: mine.state.velocity(node as usize),
-                near: &list[start..at],
+                near,
+                way: self.way,
                 known: touches.of(node, &mut from),
                 sign: if own == 0 { 1.0 } else { -1.0 },
                 own_normal: &|| {
@@ -119,11 +117,7 @@ impl Encounter {
                 distance: self.manners.distance(),
                 reach,
             };
-            if query.known.is_empty() && query.is_out_of_reach(apart.at_least(start, self.way)) {
-                continue;
-            }
-            let (distance, found) = query.find();
-            apart.note(start, self.way, distance);
+            let found = query.find();
             let drafts = found.map(|f| f.map(|f| self.draft_node(own, node, &f, &query, &reach)));
             for draft in drafts.iter().flatten() {
                 self.push(draft, touches, bodies, rows, reach);
@@ -170,44 +164,44 @@ impl Encounter {
 
     fn add_edge_rows(
         &self,
-        (touches, apart): (&mut Touches, &mut Apart),
+        (touches, mut rest): (&mut Touches, &mut [Near]),
         bodies: &mut Bodies,
         rows: &mut Rows,
         reach: Reach,
     ) {
         let farthest = self.manners.distance() + reach.farthest;
-        let (mut at, mut from) = (0, 0);
-        while let Some(&(edge, _)) = self.edges.get(at) {
-            let start = at;
-            at += self.edges[at..].iter().take_while(|p| p.0 == edge).count();
+        let mut from = 0;
+        while let Some((near, others)) = of_the_same(rest) {
+            rest = others;
+            let edge = near[0].own;
             let known = touches.of(edge, &mut from).len();
-            let beyond = |apart: &Apart, i: usize| apart.at_least(i, self.way) > farthest;
-            if known == 0 && (start..at).all(|i| beyond(apart, i)) {
+            let is_beyond = |near: &Near| near.at_least(self.way) > farthest;
+            if known == 0 && near.iter().all(is_beyond) {
                 continue;
             }
             let [a, b] = bodies.posed;
             if a.outline.is_broken(edge, a.state) {
                 continue;
             }
+            // Two of three edges of a solid are flat.
+            let Some(flank) = edge::outstanding(&a, edge) else {
+                continue;
+            };
             let ends = a.ends(edge);
-            let mut flank = None;
-            for i in start..at {
-                let other = self.edges[i].1;
+            for near in near {
+                let other = near.other;
                 let known = touches.of(edge, &mut from).iter();
                 let last = known.copied().find(|t| t.other == other);
-                if last.is_none() && beyond(apart, i) || b.outline.is_broken(other, b.state) {
+                if last.is_none() && is_beyond(near) || b.outline.is_broken(other, b.state) {
                     continue;
                 }
                 let (distance, along) = between_segments(ends, b.ends(other));
-                apart.note(i, self.way, distance);
+                near.note(self.way, distance);
                 let Some(along) = along.filter(|_| distance <= farthest) else {
                     continue;
                 };
-                // Most edges meet none, so only now.
-                let flank = flank.get_or_insert_with(|| edge::outstanding(&a, edge));
-                let Some(flank) = flank else { break };
                 let (pair, normal) = ([edge, other], last.map(|t| t.normal));
-                let found = edge::crossing([&a, &b], pair, along, flank, normal);
+                let found = edge::crossing([&a, &b], pair, along, &flank, normal);
                 if let Some(found) = found {
                     let draft = self.draft_edges(pair, &found, last, bodies, &reach);
                     let into = -draft.velocity(bodies).dot(found.normal);

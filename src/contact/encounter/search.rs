@@ -1,7 +1,7 @@
 //! The lists of an encounter: what is near what.
 
 use super::Encounter;
-use super::apart::Apart;
+use super::near::Near;
 use super::outline::{NONE, Outline};
 use super::posed::Posed;
 use crate::body::State;
@@ -38,14 +38,19 @@ impl Encounter {
         let more = (3.0 * farthest + 100.0 * closing).max(least).min(spacing);
         let margin = farthest + more.max(closing);
         (self.budget, self.way) = (margin, 0.0);
-        self.nodes_apart.iter_mut().for_each(Apart::clear);
-        self.edges_apart.clear();
         let origin = bodies[0].state.origin;
         let [a, b] = bodies.map(|Searched { state, outline }| {
             outline.refit(state);
             Posed::new(outline, state, origin)
         });
-        let radius = margin + self.manners.distance();
+        let (distance, apart) = (self.manners.distance(), a.apart(&b));
+        let radius = margin + distance;
+        if apart > radius {
+            self.nodes.iter_mut().for_each(Vec::clear);
+            self.edges.clear();
+            self.budget = apart - distance;
+            return;
+        }
         list_nodes(&mut self.nodes[0], &a, &b, radius);
         list_nodes(&mut self.nodes[1], &b, &a, radius);
         list_edges(&mut self.edges, &a, &b, radius);
@@ -53,7 +58,7 @@ impl Encounter {
 }
 
 /// Nodes of `own` within `radius` m of elements of `other`.
-fn list_nodes(list: &mut Vec<(u32, u32)>, own: &Posed, other: &Posed, radius: f64) {
+fn list_nodes(list: &mut Vec<Near>, own: &Posed, other: &Posed, radius: f64) {
     list.clear();
     for &node in &own.outline.nodes {
         let x = own.at(node);
@@ -65,24 +70,26 @@ fn list_nodes(list: &mut Vec<(u32, u32)>, own: &Posed, other: &Posed, radius: f6
         if list.len() == first && other.outline.closed {
             collect_inside(list, node, x, other, radius);
         }
-        list[first..].sort_unstable();
+        list[first..].sort_unstable_by_key(|near| near.other);
     }
 }
 
-fn collect(list: &mut Vec<(u32, u32)>, node: u32, x: DVec3, other: &Posed, radius: f64) {
+fn collect(list: &mut Vec<Near>, node: u32, x: DVec3, other: &Posed, radius: f64) {
     let local = x - other.shift;
     other.outline.near(local, local, radius, |element| {
-        if !other.outline.is_gone(element, other.state)
-            && other.nearest(element, x).squared <= radius * radius
-        {
-            list.push((node, element));
+        if other.outline.is_gone(element, other.state) {
+            return;
+        }
+        let square = other.nearest(element, x).squared;
+        if square <= radius * radius {
+            list.push(Near::new(node, element, square.sqrt()));
         }
     });
 }
 
 /// A node that is nowhere near the surface of a solid may be deep inside: then it is listed with what is nearest, which
 /// is found by doubling the radius.
-fn collect_inside(list: &mut Vec<(u32, u32)>, node: u32, x: DVec3, other: &Posed, radius: f64) {
+fn collect_inside(list: &mut Vec<Near>, node: u32, x: DVec3, other: &Posed, radius: f64) {
     let first = list.len();
     let most = 4.0 * other.outline.extent();
     let mut wider = 2.0 * radius;
@@ -90,7 +97,9 @@ fn collect_inside(list: &mut Vec<(u32, u32)>, node: u32, x: DVec3, other: &Posed
         collect(list, node, x, other, wider);
         wider *= 2.0;
     }
-    let ways = list[first..].iter().map(|&(_, e)| other.nearest(e, x));
+    let ways = list[first..]
+        .iter()
+        .map(|near| other.nearest(near.other, x));
     let nearest = ways.min_by(|a, b| a.squared.total_cmp(&b.squared));
     let inside =
         nearest.is_some_and(|w| w.way.dot(other.normal_at(w.element, w.nearest.feature)) < 0.0);
@@ -100,7 +109,7 @@ fn collect_inside(list: &mut Vec<(u32, u32)>, node: u32, x: DVec3, other: &Posed
 }
 
 /// Edges of `a` within `radius` m of edges of `b`.
-fn list_edges(list: &mut Vec<(u32, u32)>, a: &Posed, b: &Posed, radius: f64) {
+fn list_edges(list: &mut Vec<Near>, a: &Posed, b: &Posed, radius: f64) {
     list.clear();
     for edge in 0..a.outline.edges.len() as u32 {
         let ends = a.ends(edge);
@@ -124,11 +133,15 @@ fn list_edges(list: &mut Vec<(u32, u32)>, a: &Posed, b: &Posed, radius: f64) {
                         continue;
                     }
                     let others = b.ends(other);
-                    if may_reach(others) && between_segments(ends, others).0 <= radius {
-                        list.push((edge, other));
+                    if !may_reach(others) {
+                        continue;
+                    }
+                    let (distance, _) = between_segments(ends, others);
+                    if distance <= radius {
+                        list.push(Near::new(edge, other, distance));
                     }
                 }
             });
-        list[first..].sort_unstable();
+        list[first..].sort_unstable_by_key(|near| near.other);
     }
 }

@@ -33,7 +33,7 @@ mod tests;
 mod trial;
 mod vector;
 
-pub(crate) use extent::box_around;
+pub(crate) use extent::{box_around, velocities_around};
 pub(crate) use integrate::{Totals, symplectic_euler};
 pub(crate) use pass::{make_rows, spring_forces};
 pub(crate) use rates::rates;

@@ -13,6 +13,7 @@ use crate::solve::work::Work;
 use crate::solve::{Integrator, Solver};
 use crate::world::course::NodeCourses;
 use crate::world::sleep::Sleep;
+use crate::world::span::Way;
 use crate::world::steady::Steadiness;
 use crate::world::{Deformable, DeformableParameters, Substeps};
 use serde::de::Error;
@@ -49,6 +50,7 @@ struct Saved {
     moved_out: Vec<(u32, DVec3, DVec3)>,
     edits: u64,
     moved: f64,
+    way: Option<Way>,
     shifted: f64,
     h: f64,
     steady: Steadiness,
@@ -108,6 +110,7 @@ impl Saved {
             moved_out: body.moved_out.clone(),
             edits: body.edits,
             moved: body.moved,
+            way: body.way,
             shifted: body.shifted,
             h: body.h,
             steady: body.steady,
@@ -223,6 +226,7 @@ impl Saved {
             moved_out: self.moved_out,
             edits: self.edits,
             moved: self.moved,
+            way: self.way,
             shifted: self.shifted,
             h: self.h,
             steady: self.steady,
