@@ -106,6 +106,20 @@ impl<'a> Posed<'a> {
         a * weights[0] + b * weights[1] + c * weights[2]
     }
 
+    /// The weights of the foot of `x` on the plane of a face, which is outside of the face where some are negative; `None` where
+    /// an element is no face, or one without area.
+    pub fn foot(&self, element: u32, x: DVec3) -> Option<[f64; 3]> {
+        if element as usize >= self.outline.faces {
+            return None;
+        }
+        let [a, b, c] = self.corners(element);
+        let (ab, ac, ax) = (b - a, c - a, x - a);
+        let normal = ab.cross(ac);
+        let square = normal.length_squared();
+        let [u, v] = [ax.cross(ac), ab.cross(ax)].map(|n| n.dot(normal) / square);
+        square.is_normal().then_some([1.0 - u - v, u, v])
+    }
+
     /// Velocity of that point \[m/s\].
     pub fn velocity(&self, element: u32, weights: [f64; 3]) -> DVec3 {
         let nodes = self.outline.elements[element as usize];

@@ -31,6 +31,9 @@ struct Draft {
     drift: DVec3,
 }
 
+/// How far beside the normal a node counts as beside the point that it touches, per distance that counts as touching.
+const BESIDE: f64 = 1e-3;
+
 /// A term that is none.
 const NOTHING: (usize, u32, f64, DVec3) = (0, 0, 0.0, DVec3::ZERO);
 
@@ -139,10 +142,16 @@ impl Encounter {
         let last = query.known.iter().find(|t| t.normal.dot(normal) > 0.7);
         let held = last.and_then(|t| t.anchor);
         let drift = held.map_or(DVec3::ZERO, |(e, w)| query.x - query.other.point(e, w));
-        let here = (depth >= -reach.touching).then_some((found.element, found.weights));
+        let way = query.x - query.other.point(found.element, found.weights);
+        let here = (depth >= -reach.touching).then(|| {
+            // Under a rim the nearest point is not the one that the node lies on.
+            let beside = way - found.normal * way.dot(found.normal);
+            let is_beside = beside.length_squared() > (BESIDE * reach.touching).powi(2);
+            let foot = is_beside.then(|| query.other.foot(found.element, query.x));
+            (found.element, foot.flatten().unwrap_or(found.weights))
+        });
         let corners = query.other.outline.elements[found.element as usize];
         let places = query.other.corners(found.element);
-        let way = query.x - query.other.point(found.element, found.weights);
         let levers = levers::of_face(places, found.normal, way.dot(found.normal));
         let corner = |k: usize| (other, corners[k], -query.sign * found.weights[k], levers[k]);
         let node = (own, node, query.sign, DVec3::ZERO);

@@ -434,31 +434,58 @@ fn a_stack_at_rest_is_given_nothing() {
     let ground = ColliderBuilder::cuboid(5.0, 0.5, 5.0).translation(Vector::NEG_Y * 0.5);
     world.insert_collider(ground, None);
     let mut deformables = DeformableWorld::default();
-    let blocks: Vec<_> = (0..3)
-        .map(|i| {
-            let block = shape::tet_box(Vector::new(0.4, 0.2, 0.4), 0.1, TetSplit::Six).unwrap();
-            let rubber = Solid::new(1.0e6, 0.3, 500.0).damping(0.0, 5e-4);
-            let i = i as f32;
-            let at = Vector::new(0.01 * (i % 2.0), 0.101 + 0.2015 * i, -0.008 * i);
-            let turned = Rotation::from_rotation_y(0.07 * i);
-            let block = DeformableBuilder::tets(block, rubber).can_sleep(false);
-            let block = block.translation(at).rotation(turned);
-            deformables.insert(block).unwrap()
-        })
-        .collect();
-    let given = |deformables: &DeformableWorld| -> f64 {
-        let each = blocks.iter();
-        each.map(|b| deformables[*b].energies().work.push_out).sum()
-    };
-    let mut before = 0.0;
-    for frame in 0..240 {
-        if frame == 180 {
-            before = given(&deformables);
-        }
-        deformables.step(&mut world);
+    for i in 0..3 {
+        let rubber = Solid::new(1.0e6, 0.3, 500.0).damping(0.0, 5e-4);
+        let i = i as f32;
+        let at = Vector::new(0.01 * (i % 2.0), 0.101 + 0.2015 * i, -0.008 * i);
+        let turned = Rotation::from_rotation_y(0.07 * i);
+        let block = slab_of(rubber).translation(at).rotation(turned);
+        deformables.insert(block).unwrap();
     }
-    let power = given(&deformables) - before;
+    let power = given_in_the_fourth_second(&mut world, &mut deformables);
     assert!(power.abs() < 0.03, "{power} W");
+}
+
+/// A block of 0.4 × 0.2 × 0.4 m in cells of 0.1 m that stays awake.
+fn slab_of(material: Solid) -> DeformableBuilder {
+    let net = shape::tet_box(Vector::new(0.4, 0.2, 0.4), 0.1, TetSplit::Six).unwrap();
+    DeformableBuilder::tets(net, material).can_sleep(false)
+}
+
+/// What moving points out gives to all bodies in the fourth second \[J\].
+fn given_in_the_fourth_second(world: &mut PhysicsWorld, deformables: &mut DeformableWorld) -> f64 {
+    let given = |deformables: &DeformableWorld| -> f64 {
+        let each = deformables.iter();
+        each.map(|(_, body)| body.energies().work.push_out).sum()
+    };
+    (0..180).for_each(|_| deformables.step(world));
+    let before = given(deformables);
+    (0..60).for_each(|_| deformables.step(world));
+    given(deformables) - before
+}
+
+/// Nodes of rims that overhang by a millimetre stick where they lie. Symptom: 0.105 W were given for good, nodes trembled at 12 mm/s and
+/// nothing slept. Cause: friction took hold of them at the nearest point of the rim, a millimetre beside them, and drew them there.
+#[test]
+fn overhanging_rims_of_a_stack_are_not_drawn_in() {
+    let mut world = PhysicsWorld::default();
+    let ground = ColliderBuilder::cuboid(5.0, 0.5, 5.0).translation(Vector::NEG_Y * 0.5);
+    world.insert_collider(ground, None);
+    let mut deformables = DeformableWorld::default();
+    for i in 0..3 {
+        let rubber = Solid::new(2.0e6, 0.3, 500.0).damping(0.0, 1e-4);
+        let block = slab_of(rubber.law(SolidLaw::NeoHookean));
+        let at = Vector::Y * (0.101 + 0.201 * i as f32);
+        let block = block.translation(at).friction(0.5);
+        deformables.insert(block).unwrap();
+    }
+    let power = given_in_the_fourth_second(&mut world, &mut deformables);
+    println!("given {power} W");
+    let speeds = deformables.iter().flat_map(|(_, body)| body.velocities());
+    let fastest = speeds.map(|v| v.length()).fold(0.0, f32::max);
+    println!("fastest {fastest} m/s");
+    assert!(power.abs() < 0.01, "{power} W");
+    assert!(fastest < 5e-3, "{fastest} m/s");
 }
 
 /// One coarse block on another, turned by 45°: edges of one across edges of the other, all nodes outside the other's faces.
