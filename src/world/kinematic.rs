@@ -1,10 +1,10 @@
-//! Position-based kinematic bodies: how they move within a frame, while it is cut into several Rapier steps.
+//! Kinematic bodies: how they move within a frame, while it is cut into several Rapier steps.
 
 use super::course::{Course, off_line};
 use super::group::BodyKey;
 use crate::contact::target::wide_rotation;
 use crate::coupling::flight::rotation_vector;
-use crate::math::{DQuat, DVec3, Pose, narrow, wide};
+use crate::math::{DQuat, DVec3, Pose, Vector, narrow, wide};
 use rapier3d::dynamics::{RigidBody, RigidBodyHandle, RigidBodySet, RigidBodyType};
 use std::collections::BTreeMap;
 
@@ -18,12 +18,24 @@ pub(super) type Courses = BTreeMap<BodyKey, BodyCourse>;
     derive(serde::Serialize, serde::Deserialize)
 )]
 pub(super) struct BodyCourse {
-    /// Where it was to be at the end of the last frame: elsewhere something else has moved it.
+    /// Where a position-based one was to be at the end of the last frame: elsewhere something else has moved it.
     end: Pose,
     /// The rates at which its velocities change in the frame under way \[m/s², rad/s²\].
     pub bend: (DVec3, DVec3),
     linear: Course,
     angular: Course,
+}
+
+impl BodyCourse {
+    /// Of a body that has stood.
+    fn at(end: &Pose) -> Self {
+        Self {
+            end: *end,
+            bend: Default::default(),
+            linear: Course::default(),
+            angular: Course::default(),
+        }
+    }
 }
 
 /// One body's way through a frame.
@@ -37,10 +49,18 @@ struct Way {
     bend: (DVec3, DVec3),
 }
 
-/// Where position-based kinematic bodies go in a frame of `dt` s: a part of the way in each of several Rapier steps, the last one
-/// exactly to the user's target.
+/// A velocity-based body with the velocities that it has from its user \[m/s, rad/s\], and the rates at which they change.
+struct Drive {
+    body: RigidBodyHandle,
+    velocities: (Vector, Vector),
+    bend: (DVec3, DVec3),
+}
+
+/// Where kinematic bodies go in a frame of `dt` s: a part of the way in each of several Rapier steps, the last one of
+/// position-based ones exactly to the user's target.
 pub(super) struct KinematicTargets {
     ways: Vec<Way>,
+    drives: Vec<Drive>,
     dt: f64,
 }
 
@@ -58,12 +78,7 @@ impl KinematicTargets {
             if start == end && known.is_none() {
                 continue;
             }
-            let mut course = known.copied().unwrap_or(BodyCourse {
-                end,
-                bend: Default::default(),
-                linear: Course::default(),
-                angular: Course::default(),
-            });
+            let mut course = known.copied().unwrap_or_else(|| BodyCourse::at(&end));
             course.end = end;
             let turn = wide_rotation(end.rotation) * wide_rotation(start.rotation).inverse();
             let center = wide(b.local_center_of_mass());
@@ -83,8 +98,9 @@ impl KinematicTargets {
                 bend: course.bend,
             });
         }
+        let drives = read_drives(bodies, courses, &mut followed, dt);
         *courses = followed;
-        Self { ways, dt }
+        Self { ways, drives, dt }
     }
 
     /// Tells the bodies where to go in one of `steps` Rapier steps, counted from 1.
@@ -103,7 +119,66 @@ impl KinematicTargets {
                 body.set_next_kinematic_position(pose);
             }
         }
+        let since_middle = ((step as f64 - 0.5) / steps as f64 - 0.5) * self.dt;
+        self.drive(bodies, since_middle);
     }
+
+    /// Gives velocity-based bodies what their users gave them.
+    pub fn restore(&self, bodies: &mut RigidBodySet) {
+        self.drive(bodies, 0.0);
+    }
+
+    /// Gives velocity-based bodies the velocities of a time since the middle of the frame \[s\].
+    fn drive(&self, bodies: &mut RigidBodySet, since_middle: f64) {
+        for drive in &self.drives {
+            if let Some(body) = bodies.get_mut(drive.body) {
+                let (linear, angular) = (drive.bend.0, drive.bend.1);
+                let now = |v: Vector, bend: DVec3| v + narrow(bend * since_middle);
+                body.set_linvel(now(drive.velocities.0, linear), false);
+                body.set_angvel(now(drive.velocities.1, angular), false);
+            }
+        }
+    }
+}
+
+/// The velocity-based bodies whose velocities change within the frame, and what is remembered of all that move.
+fn read_drives(
+    bodies: &RigidBodySet,
+    courses: &Courses,
+    followed: &mut Courses,
+    dt: f64,
+) -> Vec<Drive> {
+    let is_driven = |b: &RigidBody| b.body_type() == RigidBodyType::KinematicVelocityBased;
+    let driven = bodies
+        .iter()
+        .filter(|(_, b)| is_driven(b) && b.is_enabled() && !b.is_sleeping());
+    let mut drives = Vec::new();
+    for (body, b) in driven {
+        let velocities = (b.linvel(), b.angvel());
+        let key = body.into_raw_parts();
+        let known = courses.get(&key);
+        if velocities == Default::default() && known.is_none() {
+            continue;
+        }
+        let mut course = known
+            .copied()
+            .unwrap_or_else(|| BodyCourse::at(b.position()));
+        course.bend = (
+            course.linear.go_on(wide(velocities.0), dt),
+            course.angular.go_on(wide(velocities.1), dt),
+        );
+        if !(course.linear.is_over() && course.angular.is_over()) {
+            followed.insert(key, course);
+        }
+        if course.bend != Default::default() {
+            drives.push(Drive {
+                body,
+                velocities,
+                bend: course.bend,
+            });
+        }
+    }
+    drives
 }
 
 impl Way {

@@ -88,6 +88,7 @@ impl DeformableWorld {
             }
             self.hand_over(&mut RapierParts::from(&mut *world), dt / steps as f64);
         }
+        targets.restore(&mut world.bodies);
         self.end_frame(&RapierParts::from(&mut *world), dt, observer);
     }
 

@@ -51,10 +51,15 @@ impl Observer for Press {
 /// At 60 frames a second, in which it moves by up to 7 mm: it presses what lies on it, or is welded to it, by m·(g ± a·ω²).
 #[test]
 fn a_platform_that_swings_carries_by_its_acceleration() {
-    for welded in [false, true] {
+    for (welded, by_velocity) in [(false, false), (true, false), (false, true), (true, true)] {
         let mut world = PhysicsWorld::default();
         let start = Vector::new(0.0, -0.1, 0.0);
-        let body = RigidBodyBuilder::kinematic_position_based().translation(start);
+        let body = if by_velocity {
+            RigidBodyBuilder::kinematic_velocity_based()
+        } else {
+            RigidBodyBuilder::kinematic_position_based()
+        };
+        let body = body.translation(start);
         let (platform, _) = world.insert(body, ColliderBuilder::cuboid(1.0, 0.1, 1.0));
         let mut set = DeformableWorld::default();
         let net = lattice(Vector::new(0.3, 0.2, 0.3), 0.1).unwrap();
@@ -70,11 +75,22 @@ fn a_platform_that_swings_carries_by_its_acceleration() {
             let weld = Attachment::weld(nodes);
             set.attach(block, weld, platform, &world.bodies).unwrap();
         }
-        let mut press = Press::new();
+        let (mut press, mut last) = (Press::new(), 0.0);
         for frame in 1..=180 {
-            let to = start + Vector::Y * height(f64::from(frame) / 60.0) as f32;
-            world.bodies[platform].set_next_kinematic_translation(to);
+            let to = height(f64::from(frame) / 60.0);
+            let way = to - height(f64::from(frame - 1) / 60.0);
+            let linvel = Vector::Y * (60.0 * way) as f32;
+            last = linvel.y;
+            if by_velocity {
+                world.bodies[platform].set_linvel(linvel, true);
+            } else {
+                let to = start + Vector::Y * to as f32;
+                world.bodies[platform].set_next_kinematic_translation(to);
+            }
             set.step_with(&mut world, &(), &(), &mut press);
+        }
+        if by_velocity {
+            assert_eq!(world.bodies[platform].linvel().y, last);
         }
         let swing = AMPLITUDE * OMEGA * OMEGA;
         close("least force [N]", press.least, MASS * (9.81 - swing), 0.01);
@@ -141,4 +157,44 @@ fn a_led_node_pulls_by_its_acceleration() {
     let swing = AMPLITUDE * OMEGA * OMEGA * gain;
     close("least force [N]", least, 9.81 - swing, 0.03);
     close("largest force [N]", most, 9.81 + swing, 0.03);
+}
+
+/// A block on a platform whose velocity is set before every frame, so that it speeds up by 2 m/s²: friction of 0.5 holds it. Symptom: it
+/// slipped by (a·Δt)²/2μg at every jump of the velocity, 6.4 mm in a second.
+#[test]
+fn a_platform_that_is_driven_faster_carries_a_block() {
+    for multiple in [false, true] {
+        let mut world = PhysicsWorld::default();
+        let body = RigidBodyBuilder::kinematic_velocity_based().translation(Vector::Y * -0.1);
+        let ground = ColliderBuilder::cuboid(2.0, 0.1, 1.0).friction(0.5);
+        let (platform, _) = world.insert(body, ground);
+        if multiple {
+            // What is awake beside it has Rapier stepped at 1/240 s.
+            let aside = RigidBodyBuilder::dynamic().translation(Vector::new(0.0, 0.1, 0.28));
+            world.insert(
+                aside.can_sleep(false),
+                ColliderBuilder::ball(0.1).friction(0.5),
+            );
+        }
+        let mut set = DeformableWorld::default();
+        let net = lattice(Vector::new(0.3, 0.2, 0.3), 0.1).unwrap();
+        let soft = Material::elastic(2e6, 400.0).viscosity(1e4);
+        let block = DeformableBuilder::new(net).material(soft).friction(0.5);
+        let block = set.insert(block.translation(Vector::Y * 0.1)).unwrap();
+        let place = |world: &PhysicsWorld, set: &DeformableWorld| {
+            set[block].center_of_mass().x - f64::from(world.bodies[platform].translation().x)
+        };
+        let mut slip = 0.0;
+        for frame in 1..=60 {
+            if frame == 10 {
+                slip = place(&world, &set);
+            }
+            let linvel = Vector::X * 2.0 * frame as f32 / 60.0;
+            world.bodies[platform].set_linvel(linvel, true);
+            set.step(&mut world);
+        }
+        slip -= place(&world, &set);
+        assert_eq!(set.report().rigid_steps, if multiple { 4 } else { 1 });
+        assert!(slip.abs() < 5e-4, "{slip} m");
+    }
 }
