@@ -74,6 +74,12 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     }
     let mut options = arguments.scene.options();
     options.set.extend(arguments.as_variables());
+    for (i, (name, _)) in options.set.iter().enumerate() {
+        if options.set[..i].iter().any(|(other, _)| other == name) {
+            let text = format!("the variable `{name}` is set twice");
+            return Err(Failure::Wrong(text));
+        }
+    }
     match arguments.scene.load(&options) {
         Some(Ok(loaded)) => scene::run(&loaded, arguments),
         Some(Err(error)) => Err(arguments.as_typed(error)),

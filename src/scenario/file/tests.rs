@@ -202,6 +202,21 @@ fn sizes_are_checked_before_memory_is_taken() {
 }
 
 #[test]
+fn nothing_is_held_by_itself_or_kept_from_itself() {
+    let block = r#"(name: "b", body: Lattice(size: (1, 1, 1), cell: 1), material: Rubber)"#;
+    for (more, what) in [
+        (
+            r#"attachments: [(name: "a", of: "b", nodes: "x > 0", to: "b")]"#,
+            "can't be attached to itself",
+        ),
+        (r#"no_contact: [("b", "b")]"#, "`b` does not touch itself"),
+    ] {
+        let found = problems(&format!("(deformables: [{block}], {more})"));
+        assert!(found.len() == 1 && found[0].contains(what), "{found:?}");
+    }
+}
+
+#[test]
 fn the_reference_names_every_key() {
     let entries = reference();
     assert!(

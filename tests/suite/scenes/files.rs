@@ -267,6 +267,9 @@ fn a_scene_file_is_run_and_held_to_what_it_expects() {
     let unknown = run(&["--set", "sped=1"]);
     assert_eq!(unknown.status.code(), Some(2));
     assert!(text(&unknown.stderr).contains("did you mean `speed`?"));
+    let twice = run(&["--set", "speed=1", "--set", "speed=2"]);
+    assert_eq!(twice.status.code(), Some(2));
+    assert!(text(&twice.stderr).contains("`speed` is set twice"));
     std::fs::remove_dir_all(dir).unwrap();
 }
 

@@ -287,6 +287,17 @@ record! {
         /// Moment at which it breaks \[N·m\]; inf for never.
         moment_strength: f64 = f64::INFINITY, STRENGTH;
     }
+    then holds_another
+}
+
+fn holds_another(attachment: &Attachment, node: &Node, d: &mut Decoder) -> Option<()> {
+    if attachment.to.as_ref() == Some(&attachment.of) {
+        d.wrong(node.at, |_| {
+            "a deformable can't be attached to itself".into()
+        });
+        return None;
+    }
+    Some(())
 }
 
 choice! {

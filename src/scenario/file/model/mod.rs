@@ -104,7 +104,10 @@ impl Check<Vec<[String; 2]>> for Pairs {
             from: 0,
             to: MOST_PAIRS,
         };
-        let wrong = |pair| BODY.complaint(pair, d);
+        let wrong = |pair: &[String; 2]| match pair {
+            [a, b] if a == b => Some(format!("`{a}` does not touch itself anyway")),
+            _ => BODY.complaint(pair, d),
+        };
         few.complaint(pairs, d)
             .or_else(|| pairs.iter().find_map(wrong))
     }
