@@ -28,15 +28,18 @@ impl Group {
             shadows,
             touched,
             attachments,
+            mended,
             ..
         } = self;
+        mended.clear();
+        mended.resize(rows.nodes.len(), DVec3::ZERO);
         let mut mend = |members: &mut Members,
-                        rows: &Rows,
+                        (rows, mended): (&Rows, &mut [DVec3]),
                         what: (Terms, u32, f64),
                         row: Option<usize>,
                         by: DVec3| {
             let (terms, shadow, taken) = what;
-            let lost = displace(members, rows, (terms, row), by);
+            let lost = displace(members, (rows, mended), (terms, row), by);
             if (shadow as usize)
                 .checked_sub(1)
                 .is_some_and(|i| touched[i].answer == Answer::Free || touched[i].answer.is_kept())
@@ -56,7 +59,16 @@ impl Group {
             let row = &rows.contacts[i];
             let mut by = DVec3::ZERO;
             if row.depth > 0.0 && row.softness == 0.0 && row.lift.speed == 0.0 {
-                by += row.normal * push_out(row.depth - row.pinched, h, s.push_out);
+                // Where deformables touch all over, every node has several rows, which are not to do the same again, and those of the
+                // other side of a layer undo it.
+                let done = if row.between {
+                    let terms = rows.terms_of(row.terms).iter();
+                    let made = terms.map(|t| mended[t.node as usize] * t.weight);
+                    made.sum::<DVec3>().dot(row.normal)
+                } else {
+                    0.0
+                };
+                by += row.normal * push_out(row.depth - row.pinched - done, h, s.push_out);
             }
             if row.drift != DVec3::ZERO && row.sticks() {
                 by -= row.drift * pull_back(h);
@@ -67,7 +79,7 @@ impl Group {
             let taken = row.response.mass_ratio(row.normal);
             let by = by * row.response.share;
             let what = (row.terms, row.shadow, taken);
-            let lost = mend(members, rows, what, Some(i), by);
+            let lost = mend(members, (rows, mended), what, Some(i), by);
             if row.between {
                 let terms = &rows.terms[row.terms.range()];
                 turn(members, &mut rows.nodes, terms, lost, h);
@@ -79,7 +91,8 @@ impl Group {
                 let loose = attachments[tie.attachment as usize].bond.loose;
                 let most = if loose { s.push_out * h } else { length };
                 let by = -towards(tie.error, length.min(most));
-                mend(members, rows, (tie.terms, tie.shadow, 1.0), None, by);
+                let what = (tie.terms, tie.shadow, 1.0);
+                mend(members, (rows, mended), what, None, by);
             }
         }
     }
@@ -164,11 +177,11 @@ impl Deformable {
     }
 }
 
-/// Moves a point by moving its nodes as an impulse would, books what that adds to the stored energy, and returns what it
-/// takes from the angular momentum. A pinned node stays where it is put.
+/// Moves a point by moving its nodes as an impulse would, notes how far, books what that adds to the stored energy, and returns
+/// what it takes from the angular momentum. A pinned node stays where it is put.
 fn displace(
     members: &mut Members,
-    rows: &Rows,
+    (rows, mended): (&Rows, &mut [DVec3]),
     (terms, row): (Terms, Option<usize>),
     by: DVec3,
 ) -> DVec3 {
@@ -201,6 +214,7 @@ fn displace(
         if body.integrator().takes_late_impulses() {
             body.moved_out.push((node.node, by, elastic));
         }
+        mended[term.node as usize] += by;
         body.state.displace(i, by.as_vec3().to_array());
         lost -= by.cross(body.state.velocity(i) * mass);
     }

@@ -44,6 +44,8 @@ pub(super) struct Group {
     pub rows: Rows,
     /// Where free motion took the nodes of rows, in the frames of their bodies \[m\].
     places: Vec<DVec3>,
+    /// How far nodes of rows were moved at position level \[m\].
+    pub(super) mended: Vec<DVec3>,
     /// The half kicks before, of the nodes of rows; empty where nothing moves by velocity Verlet.
     pub(super) kicks: Vec<Option<HalfKick>>,
 }
@@ -82,6 +84,7 @@ impl Group {
             told: Vec::new(),
             rows: Rows::default(),
             places: Vec::new(),
+            mended: Vec::new(),
             kicks: Vec::new(),
         }
     }
