@@ -105,6 +105,7 @@ impl Deformable {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::body::Material;
     use crate::math::Vector;
     use crate::shape;
     use crate::world::{DeformableBuilder, DeformableWorld};
@@ -141,7 +142,8 @@ mod tests {
         let (mut world, mut deformables) = (PhysicsWorld::default(), DeformableWorld::default());
         let blocks = [0.0, 0.201].map(|x| {
             let net = shape::lattice(Vector::splat(0.2), 0.1).unwrap();
-            let block = DeformableBuilder::new(net).translation(Vector::X * x);
+            let block = DeformableBuilder::new(net).material(Material::rubber());
+            let block = block.translation(Vector::X * x);
             let block = deformables.insert(block).unwrap();
             deformables[block].set_velocities(Vector::Y * -20.0, Vector::ZERO);
             block
