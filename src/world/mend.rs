@@ -59,8 +59,8 @@ impl Group {
             let row = &rows.contacts[i];
             let mut by = DVec3::ZERO;
             if row.depth > 0.0 && row.softness == 0.0 && row.lift.speed == 0.0 {
-                // Where deformables touch all over, every node has several rows, which are not to do the same again, and those of the
-                // other side of a layer undo it.
+                // Where deformables touch all over, a node has several rows: what one has moved the next does not move again, and what the
+                // other side of a layer has moved back is moved once more.
                 let done = if row.between {
                     let terms = rows.terms_of(row.terms).iter();
                     let made = terms.map(|t| mended[t.node as usize] * t.weight);

@@ -192,7 +192,7 @@ impl Encounter {
             if a.outline.is_broken(edge, a.state) {
                 continue;
             }
-            // Two of three edges of a solid are flat.
+            // Most edges of a solid are flat, and meet none.
             let Some(flank) = edge::outstanding(&a, edge) else {
                 continue;
             };
