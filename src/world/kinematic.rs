@@ -36,6 +36,19 @@ impl BodyCourse {
             angular: Course::default(),
         }
     }
+
+    /// Goes on with a frame of `dt` s at these velocities in the mean \[m/s, rad/s\].
+    fn go_on(&mut self, (linear, angular): (DVec3, DVec3), dt: f64) {
+        self.bend = (
+            self.linear.go_on(linear, dt),
+            self.angular.go_on(angular, dt),
+        );
+    }
+
+    /// Whether it has stood still for two frames: nothing is to be remembered.
+    fn is_over(&self) -> bool {
+        self.linear.is_over() && self.angular.is_over()
+    }
 }
 
 /// One body's way through a frame.
@@ -83,11 +96,8 @@ impl KinematicTargets {
             let turn = wide_rotation(end.rotation) * wide_rotation(start.rotation).inverse();
             let center = wide(b.local_center_of_mass());
             let way = place(&end, center) - place(&start, center);
-            course.bend = (
-                course.linear.go_on(way / dt, dt),
-                course.angular.go_on(rotation_vector(turn) / dt, dt),
-            );
-            if !(course.linear.is_over() && course.angular.is_over()) {
+            course.go_on((way / dt, rotation_vector(turn) / dt), dt);
+            if !course.is_over() {
                 followed.insert(key, course);
             }
             ways.push(Way {
@@ -132,10 +142,9 @@ impl KinematicTargets {
     fn drive(&self, bodies: &mut RigidBodySet, since_middle: f64) {
         for drive in &self.drives {
             if let Some(body) = bodies.get_mut(drive.body) {
-                let (linear, angular) = (drive.bend.0, drive.bend.1);
-                let now = |v: Vector, bend: DVec3| v + narrow(bend * since_middle);
-                body.set_linvel(now(drive.velocities.0, linear), false);
-                body.set_angvel(now(drive.velocities.1, angular), false);
+                let ((linvel, angvel), bend) = (drive.velocities, drive.bend);
+                body.set_linvel(linvel + narrow(bend.0 * since_middle), false);
+                body.set_angvel(angvel + narrow(bend.1 * since_middle), false);
             }
         }
     }
@@ -163,11 +172,8 @@ fn read_drives(
         let mut course = known
             .copied()
             .unwrap_or_else(|| BodyCourse::at(b.position()));
-        course.bend = (
-            course.linear.go_on(wide(velocities.0), dt),
-            course.angular.go_on(wide(velocities.1), dt),
-        );
-        if !(course.linear.is_over() && course.angular.is_over()) {
+        course.go_on((wide(velocities.0), wide(velocities.1)), dt);
+        if !course.is_over() {
             followed.insert(key, course);
         }
         if course.bend != Default::default() {

@@ -6,7 +6,7 @@ use super::work::node_work;
 use crate::coupling::observe::Answer;
 use crate::law::row::{pull_back, push_out};
 use crate::math::{DMat3, DVec3};
-use crate::solve::rows::{RowNode, Rows, Term, Terms};
+use crate::solve::rows::{Row, RowNode, Rows, Term, Terms};
 
 /// Nodes whose determinant of inertia is less than this, over the cube of Σ m·r² about their centre, count as lying on a line \[1\].
 const ON_A_LINE: f64 = 1e-4;
@@ -59,12 +59,8 @@ impl Group {
             let row = &rows.contacts[i];
             let mut by = DVec3::ZERO;
             if row.depth > 0.0 && row.softness == 0.0 && row.lift.speed == 0.0 {
-                // Where deformables touch all over, a node has several rows: what one has moved the next does not move again, and what the
-                // other side of a layer has moved back is moved once more.
                 let done = if row.between {
-                    let terms = rows.terms_of(row.terms).iter();
-                    let made = terms.map(|t| mended[t.node as usize] * t.weight);
-                    made.sum::<DVec3>().dot(row.normal)
+                    come_out(rows, row, mended)
                 } else {
                     0.0
                 };
@@ -149,6 +145,15 @@ fn turn(members: &mut Members, nodes: &mut [RowNode], terms: &[Term], lost: DVec
         let body = &mut members[node.body as usize].1;
         body.kick_at_end(node.node as usize, change, h);
     }
+}
+
+/// How far a row between two deformables has been moved out by what was done to its nodes for others in this substep \[m\]. Where the two
+/// touch all over, a node has several rows: what one has moved the next is not to move again, and what the other side of a layer
+/// has moved back is moved once more.
+fn come_out(rows: &Rows, row: &Row, mended: &[DVec3]) -> f64 {
+    let terms = rows.terms_of(row.terms).iter();
+    let way: DVec3 = terms.map(|t| mended[t.node as usize] * t.weight).sum();
+    way.dot(row.normal)
 }
 
 /// A vector of length `length` along `v`.

@@ -75,12 +75,11 @@ fn a_platform_that_swings_carries_by_its_acceleration() {
             let weld = Attachment::weld(nodes);
             set.attach(block, weld, platform, &world.bodies).unwrap();
         }
-        let (mut press, mut last) = (Press::new(), 0.0);
+        let mut press = Press::new();
         for frame in 1..=180 {
             let to = height(f64::from(frame) / 60.0);
             let way = to - height(f64::from(frame - 1) / 60.0);
             let linvel = Vector::Y * (60.0 * way) as f32;
-            last = linvel.y;
             if by_velocity {
                 world.bodies[platform].set_linvel(linvel, true);
             } else {
@@ -88,9 +87,6 @@ fn a_platform_that_swings_carries_by_its_acceleration() {
                 world.bodies[platform].set_next_kinematic_translation(to);
             }
             set.step_with(&mut world, &(), &(), &mut press);
-        }
-        if by_velocity {
-            assert_eq!(world.bodies[platform].linvel().y, last);
         }
         let swing = AMPLITUDE * OMEGA * OMEGA;
         close("least force [N]", press.least, MASS * (9.81 - swing), 0.01);
@@ -192,9 +188,10 @@ fn a_platform_that_is_driven_faster_carries_a_block() {
             let linvel = Vector::X * 2.0 * frame as f32 / 60.0;
             world.bodies[platform].set_linvel(linvel, true);
             set.step(&mut world);
+            assert_eq!(world.bodies[platform].linvel(), linvel);
         }
         slip -= place(&world, &set);
         assert_eq!(set.report().rigid_steps, if multiple { 4 } else { 1 });
-        assert!(slip.abs() < 5e-4, "{slip} m");
+        assert!(slip.abs() < 1e-5, "{slip} m");
     }
 }
