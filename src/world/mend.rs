@@ -194,15 +194,22 @@ fn displace(
     let of = |t: &Term| t.weight * t.share * nodes[t.node as usize].inv_mass;
     let is_free = |t: &&Term| !row.is_some_and(|row| rows.is_blocked(row, t.node, by * t.share));
     let all = rows.terms_of(terms).iter();
-    let free: f64 = all.clone().filter(is_free).map(of).sum();
-    // Where both sides are, they share it.
-    let response = if free > 0.0 { free } else { all.map(of).sum() };
+    let free = all.clone().filter(is_free);
+    let count = free.clone().count();
+    // Where none is free, all share it. Of some, none goes farther than the point would: it may hardly move that.
+    let response = if count == 0 || count == all.len() {
+        all.map(of).sum()
+    } else {
+        let farthest = |t: &Term| t.share.abs() * nodes[t.node as usize].inv_mass;
+        let most = free.clone().map(farthest).fold(0.0, f64::max);
+        free.map(of).sum::<f64>().max(most)
+    };
     let mut lost = DVec3::ZERO;
     if response <= 0.0 {
         return lost;
     }
     for term in rows.terms_of(terms) {
-        if free > 0.0 && !is_free(&term) {
+        if count > 0 && !is_free(&term) {
             continue;
         }
         let node = &nodes[term.node as usize];

@@ -162,13 +162,12 @@ impl Making<'_, '_> {
         let apart = part.solid.edges_apart(a.min(b), a.max(b));
         let apart = apart.max(bound);
         let known = self.touches.knows([p, e]);
-        let beyond = apart > self.near || apart > self.reach(nodes, &corners);
-        if beyond && !known {
+        let Some(reach) = self.reach_of(known, apart, (nodes, &corners)) else {
             return apart;
-        }
-        let away = part.solid.signed_distance(0.5 * (a + b)).0 - 0.5 * a.distance(b);
+        };
+        let away = part.away(0.5 * (a + b), &corners);
         let apart = apart.max(away);
-        if away > self.skin + self.site.reach.farthest {
+        if away > reach {
             return apart;
         }
         let deepest = self.deepest_crossing(part);

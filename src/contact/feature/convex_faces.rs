@@ -106,14 +106,13 @@ impl Making<'_, '_> {
         let topology = self.site.side.topology;
         let off = Off::of(part, patch, topology.spacing);
         let apart = off.apart.max(bound);
-        let beyond = apart > self.near || apart > self.reach(nodes, patch.corners());
         let knows = self.touches.knows_last(p, f);
-        if beyond && !knows {
+        let Some(reach) = self.reach_of(knows, apart, (nodes, patch.corners())) else {
             return apart;
-        }
+        };
         let (middle, radius) = patch.ball();
-        let away = part.solid.signed_distance(middle).0 - radius;
-        if away > self.skin + self.site.reach.farthest {
+        let away = part.away(middle, patch.corners());
+        if away > reach {
             return apart.max(away);
         }
         let Some(mut n) = patch.normal() else {

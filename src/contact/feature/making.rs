@@ -298,6 +298,24 @@ impl Making<'_, '_> {
         [reach.at(slip.length()), reach.come(into)]
     }
 
+    /// How far from the part a face or an edge may be and still touch it within the substep \[m\]; `None` if it is `apart` m away at least
+    /// and that is farther. What is `known` to touch is looked for as far as anything goes.
+    pub(super) fn reach_of(
+        &self,
+        known: bool,
+        apart: f64,
+        (nodes, corners): (&[u32], &[DVec3]),
+    ) -> Option<f64> {
+        if known {
+            return Some(self.near);
+        }
+        if apart > self.near {
+            return None;
+        }
+        let reach = self.reach(nodes, corners).min(self.near);
+        (apart <= reach).then_some(reach)
+    }
+
     /// From what distance on no point of a face or an edge can touch within the substep \[m\]: none moves faster relative to the
     /// collider than the fastest corner does.
     pub(super) fn reach(&self, nodes: &[u32], corners: &[DVec3]) -> f64 {

@@ -52,6 +52,14 @@ impl Convex {
         self.offset + self.turn * place
     }
 
+    /// How far what lies between some corners is from the solid, or less \[m\]: all of that lies behind the plane across its way out at
+    /// `middle`, a place between the corners.
+    pub fn away(&self, middle: DVec3, corners: &[DVec3]) -> f64 {
+        let (distance, normal) = self.solid.signed_distance(middle);
+        let nearer = corners.iter().map(|corner| (*corner - middle).dot(normal));
+        distance + nearer.fold(0.0, f64::min)
+    }
+
     /// How far a box of the collider's frame is from any edge, or less \[m\].
     fn edges_apart(&self, (lo, hi): (DVec3, DVec3)) -> f64 {
         let axes = DMat3::from_quat(self.turn).transpose();
@@ -108,5 +116,50 @@ impl Part {
         } else {
             Waking::Awake
         };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use rapier3d::geometry::SharedShape;
+    use rapier3d::math::Vector;
+
+    fn place() -> impl Strategy<Value = DVec3> {
+        prop::array::uniform3(-1.0..1.0f64).prop_map(DVec3::from_array)
+    }
+
+    proptest! {
+        /// Nor does it say less than a ball round the corners would.
+        #[test]
+        fn nothing_between_the_corners_is_nearer(
+            corners in prop::array::uniform4(place()),
+            weights in prop::array::uniform4(0.0..1.0f64),
+        ) {
+            let points = [Vector::X, Vector::Y, Vector::Z, -Vector::ONE].map(|p| p * 0.3);
+            let shapes = [
+                SharedShape::ball(0.3),
+                SharedShape::capsule_x(0.3, 0.1),
+                SharedShape::cuboid(0.4, 0.2, 0.1),
+                SharedShape::cylinder(0.3, 0.2),
+                SharedShape::cone(0.3, 0.2),
+                SharedShape::convex_hull(&points).unwrap(),
+            ];
+            let middle = corners.iter().sum::<DVec3>() / 4.0;
+            let sum: f64 = weights.iter().sum();
+            let all = corners.iter().zip(weights);
+            let between = all.map(|(c, w)| *c * (w / sum)).sum();
+            let radius = corners.map(|c| c.distance(middle)).into_iter().fold(0.0, f64::max);
+            for shape in shapes {
+                let solid = Solid::of(&*shape).unwrap();
+                let part = Part::new(DVec3::ZERO, DQuat::IDENTITY, solid).convex;
+                let away = part.away(middle, &corners);
+                let [there, at_middle] =
+                    [between, middle].map(|p| part.solid.signed_distance(p).0);
+                prop_assert!(away <= there + 1e-9, "{shape:?}: {away} of {there} m");
+                prop_assert!(away >= at_middle - radius - 1e-9);
+            }
+        }
     }
 }

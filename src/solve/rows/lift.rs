@@ -1,5 +1,6 @@
 //! Lifts: how a body gets out of what the nodes that it holds are in, and out of nodes that can't get out of it.
 
+use super::layers::{All, HELD_SHARE};
 use super::pass::{Pass, inverse};
 use super::{LEAD_RATE, Row, Term};
 use crate::law::row::Lift;
@@ -10,10 +11,6 @@ const LIFT_IMPULSE: f64 = 6.0;
 
 /// The cosine from which on what is under a node holds it against what presses it down.
 pub(super) const UNDER: f64 = 0.7;
-
-/// From which share of it on a point is held that has to give way otherwise. What presses on a face from either side seldom has
-/// the very same nodes.
-const HELD_SHARE: f64 = 0.5;
 
 impl Pass<'_> {
     /// Finds the rows that are deep, but that no node of theirs can end, and how they lift the body that can: that which the nodes
@@ -69,7 +66,8 @@ impl Pass<'_> {
     fn pinched(&self, i: usize) -> f64 {
         let terms = self.points.terms_of(self.contacts[i].terms).iter();
         let depth = |term: &Term| {
-            let others = self.across(i, term.node).filter(|o| o.lift.speed == 0.0);
+            let others = self.across(i, term.node);
+            let others = others.filter(|o| !o.between && o.lift.speed == 0.0);
             term.weight * others.map(|o| o.depth).fold(0.0, f64::max)
         };
         terms.map(depth).sum()
@@ -77,12 +75,17 @@ impl Pass<'_> {
 
     /// Rows at a node that press against row `i`.
     fn across(&self, i: usize, node: u32) -> impl Iterator<Item = &Row> {
-        let normal = self.contacts[i].normal;
-        let at = |node: u32| self.squeeze.own(node).chain(self.squeeze.with_others(node));
+        let against = || {
+            let all = All {
+                contacts: self.contacts,
+                terms: self.points.terms,
+                nodes: self.points.nodes,
+                squeeze: self.squeeze,
+            };
+            self.layers.against(all, (i, node), self.contacts[i].normal)
+        };
         // Nothing has been found of what is squeezed by one row alone.
-        let others = self.squeezed.then(|| at(node)).into_iter().flatten();
-        let others = others.filter(move |j| *j != i).map(|j| &self.contacts[j]);
-        others.filter(move |o| !o.between && o.normal.dot(normal) < -UNDER)
+        self.squeezed.then(against).into_iter().flatten()
     }
 
     /// Whether what does not give way is under a node, by the row `under`, and holds it against what presses on it by `row`.

@@ -18,6 +18,7 @@ mod climb;
 mod composite;
 mod contact;
 mod joint;
+mod layers;
 mod lift;
 mod pass;
 mod points;
@@ -41,7 +42,7 @@ use climb::Attempt;
 use composite::Composites;
 pub use contact::Row;
 pub use joint::{Joint, JointRow};
-use lift::UNDER;
+use layers::{All, Layers};
 use rigid::Answers;
 pub use rigid::RigidRow;
 pub use settled::{Give, Negligible};
@@ -127,6 +128,7 @@ pub struct Rows {
     /// What is settled.
     pub negligible: Negligible,
     squeeze: Squeeze,
+    layers: Layers,
     held: Vec<Held>,
     attempt: Attempt,
     /// Per shadow, by how much attempts for rows on it have changed the measure in this substep \[J\]: the first is that of all rows on what
@@ -187,15 +189,17 @@ impl Rows {
         if self.contacts.len() <= 1 || !self.contacts[i].between {
             return false;
         }
-        let own = self.squeeze.own(node).chain(self.squeeze.with_others(node));
-        let mut others = own.filter(|j| *j != i).map(|j| &self.contacts[j]);
-        others.any(|row| {
-            let into = -row.normal.dot(way);
-            !row.between
-                && row.softness == 0.0
-                && into > UNDER * way.length()
-                && row.depth + into > 0.0
-        })
+        let mut others = self.layers.against(self.all(), (i, node), way);
+        others.any(|row| row.softness == 0.0 && row.depth + row.normal.dot(way).abs() > 0.0)
+    }
+
+    fn all(&self) -> All<'_> {
+        All {
+            contacts: &self.contacts,
+            terms: &self.terms,
+            nodes: &self.nodes,
+            squeeze: &self.squeeze,
+        }
     }
 
     /// Adds a term: a row node, its weight, and how much of an impulse by that weight it takes.

@@ -4,6 +4,7 @@ use super::bundle::Bundles;
 use super::climb::Attempt;
 use super::composite::Composites;
 use super::contact::{LEVER, Response};
+use super::layers::{All, Layers};
 use super::points::{self, Points};
 use super::rigid::{Answers, start_rigid};
 use super::settled::{Give, Settled};
@@ -64,6 +65,7 @@ impl Rows {
             joints: &mut self.joints,
             shadows,
             squeeze: &self.squeeze,
+            layers: &self.layers,
             held: &mut self.held,
             attempt: &mut self.attempt,
             bundles: &mut self.bundles,
@@ -108,6 +110,12 @@ impl Rows {
         }
         self.squeeze
             .find(self.nodes.len(), &self.contacts, &self.ties, &self.terms);
+        self.layers.find(All {
+            contacts: &self.contacts,
+            terms: &self.terms,
+            nodes: &self.nodes,
+            squeeze: &self.squeeze,
+        });
         self.held.clear();
         self.held.resize(self.contacts.len(), Held::default());
         let alone = |row: &&mut Row| self.squeeze.stands_alone(row, &self.terms);
@@ -150,6 +158,7 @@ pub(super) struct Pass<'a> {
     pub joints: &'a mut [JointRow],
     pub shadows: &'a mut [Shadow],
     pub squeeze: &'a Squeeze,
+    pub layers: &'a Layers,
     pub held: &'a mut [Held],
     pub attempt: &'a mut Attempt,
     pub bundles: &'a mut Bundles,

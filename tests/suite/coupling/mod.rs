@@ -10,6 +10,7 @@ mod impact;
 mod joints;
 mod laden;
 mod landings;
+mod layers;
 mod light;
 mod links;
 mod multibody;
