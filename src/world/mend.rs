@@ -191,29 +191,30 @@ fn displace(
     by: DVec3,
 ) -> DVec3 {
     let nodes = &rows.nodes;
-    let of = |t: &Term| t.weight * t.share * nodes[t.node as usize].inv_mass;
-    let is_free = |t: &&Term| !row.is_some_and(|row| rows.is_blocked(row, t.node, by * t.share));
+    let answer = |t: &Term| t.share * nodes[t.node as usize].inv_mass;
+    let is_free = |t: &Term| !row.is_some_and(|row| rows.is_blocked(row, t.node, by * t.share));
     let all = rows.terms_of(terms).iter();
-    let free = all.clone().filter(is_free);
-    let count = free.clone().count();
-    // Where none is free, all share it. Of some, none goes farther than the point would: it may hardly move that.
-    let response = if count == 0 || count == all.len() {
-        all.map(of).sum()
+    let all = all.filter(|t| answer(t) != 0.0);
+    let free = all.clone().filter(|t| is_free(t)).count();
+    // Where none is free, all share it.
+    let moving = all.clone().filter(|t| free == 0 || is_free(t));
+    let response = moving.clone().map(|t| t.weight * answer(t)).sum::<f64>();
+    let response = if moving.clone().count() < all.count() {
+        // None of some goes farther than the point would: they may hardly move that.
+        moving
+            .clone()
+            .map(|t| answer(t).abs())
+            .fold(response, f64::max)
     } else {
-        let farthest = |t: &Term| t.share.abs() * nodes[t.node as usize].inv_mass;
-        let most = free.clone().map(farthest).fold(0.0, f64::max);
-        free.map(of).sum::<f64>().max(most)
+        response
     };
     let mut lost = DVec3::ZERO;
     if response <= 0.0 {
         return lost;
     }
-    for term in rows.terms_of(terms) {
-        if count > 0 && !is_free(&term) {
-            continue;
-        }
+    for term in moving {
         let node = &nodes[term.node as usize];
-        let by = by * (term.share * node.inv_mass / response);
+        let by = by * (answer(term) / response);
         let by = row.map_or(by, |row| rows.free_way(row, term.node, by));
         if by == DVec3::ZERO {
             continue;

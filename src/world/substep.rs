@@ -208,14 +208,14 @@ impl Group {
                 let shadow = &self.shadows[c.target.shadow as usize];
                 let closing = h * body.closing_on(&c.target, shadow);
                 most = most.max(closing);
-                // What forces are about to do to a node may be more than the slack, so that reach is by the speed of each.
-                let together = h * (body.fastest() + c.target.speed(shadow));
+                // What springs are about to do to a node may be more than the slack: reach goes by how fast each is.
+                let fast = h * (body.fastest() + c.target.speed(shadow));
                 let slack = h * s.length_unit;
                 let reach = Reach {
                     h,
                     touching: s.touching,
                     slack,
-                    farthest: s.touching + slack + 2.0 * together,
+                    farthest: s.touching + slack + 2.0 * fast,
                 };
                 let (side, slots) = body.side(m);
                 let site = Site {

@@ -4,7 +4,7 @@ use super::bundle::Bundles;
 use super::climb::Attempt;
 use super::composite::Composites;
 use super::contact::{LEVER, Response};
-use super::layers::{All, Layers};
+use super::layers::Layers;
 use super::points::{self, Points};
 use super::rigid::{Answers, start_rigid};
 use super::settled::{Give, Settled};
@@ -110,12 +110,9 @@ impl Rows {
         }
         self.squeeze
             .find(self.nodes.len(), &self.contacts, &self.ties, &self.terms);
-        self.layers.find(All {
-            contacts: &self.contacts,
-            terms: &self.terms,
-            nodes: &self.nodes,
-            squeeze: &self.squeeze,
-        });
+        let mut layers = std::mem::take(&mut self.layers);
+        layers.find(self.all());
+        self.layers = layers;
         self.held.clear();
         self.held.resize(self.contacts.len(), Held::default());
         let alone = |row: &&mut Row| self.squeeze.stands_alone(row, &self.terms);
