@@ -197,17 +197,14 @@ fn displace(
     let all = all.filter(|t| answer(t) != 0.0);
     let free = all.clone().filter(|t| is_free(t)).count();
     // Where none is free, all share it.
-    let moving = all.clone().filter(|t| free == 0 || is_free(t));
-    let response = moving.clone().map(|t| t.weight * answer(t)).sum::<f64>();
-    let response = if moving.clone().count() < all.count() {
-        // None of some goes farther than the point would: they may hardly move that.
-        moving
-            .clone()
-            .map(|t| answer(t).abs())
-            .fold(response, f64::max)
-    } else {
-        response
-    };
+    let are_some = 0 < free && free < all.clone().count();
+    let moving = all.filter(|t| !are_some || is_free(t));
+    let mut response = moving.clone().map(|t| t.weight * answer(t)).sum::<f64>();
+    if are_some {
+        // None of them goes farther than the point would: they may hardly move that.
+        let each = moving.clone().map(|t| answer(t).abs());
+        response = each.fold(response, f64::max);
+    }
     let mut lost = DVec3::ZERO;
     if response <= 0.0 {
         return lost;
