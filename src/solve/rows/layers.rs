@@ -83,18 +83,21 @@ impl Layers {
         along: DVec3,
     ) -> impl Iterator<Item = &'a Row> {
         let at = all.squeeze.own(node).chain(all.squeeze.with_others(node));
+        let least = UNDER * along.length();
         at.filter(move |j| *j != i).filter_map(move |j| {
             let row = &all.contacts[j];
-            let mut sign = 1.0;
-            if row.between {
-                let mut terms = all.terms[row.terms.range()].iter();
-                let weight = terms.find(|t| t.node == node)?.weight;
-                if !self.held[j][usize::from(weight > 0.0)] {
-                    return None;
-                }
-                sign = weight.signum();
+            let push = row.normal.dot(along);
+            if !row.between {
+                return (push < -least).then_some(row);
             }
-            (sign * row.normal.dot(along) < -UNDER * along.length()).then_some(row)
+            let [above, below] = self.held[j];
+            if push.abs() <= least || !(above || below) {
+                return None;
+            }
+            let mut terms = all.terms[row.terms.range()].iter();
+            let weight = terms.find(|t| t.node == node)?.weight;
+            let held = if weight > 0.0 { below } else { above };
+            (held && push * weight < 0.0).then_some(row)
         })
     }
 }
