@@ -1,5 +1,6 @@
 //! A scene as a function of its seed.
 
+use crumple::body::Net;
 use crumple::prelude::*;
 use crumple::rapier3d::parry::utils::Array2;
 use crumple::rapier3d::prelude::*;
@@ -299,5 +300,87 @@ pub fn scene(seed: u64) -> Scenery {
         mover,
         held_by_mover,
         about,
+    }
+}
+
+/// Two to four thin bodies close over each other, and a rigid one over all, that fall on a floor: a scene as a function of its seed.
+pub fn stack(seed: u64) -> Scenery {
+    let mut dice = Dice(seed);
+    let mut about = String::new();
+    let mut world = PhysicsWorld::default();
+    world.integration_parameters.dt = DT as f32;
+    let mut deformables = DeformableWorld::default();
+    deformables.params.expected_dt = DT;
+    let floor = ColliderBuilder::cuboid(3.0, 0.5, 3.0).translation(Vector::Y * -0.5);
+    let friction = dice.range(0.0, 0.9);
+    let (_, ground) = world.insert(RigidBodyBuilder::fixed(), floor.friction(friction));
+    let far = RigidBodyBuilder::kinematic_velocity_based().translation(Vector::Y * -5.0);
+    let mover = world.insert(far, ColliderBuilder::ball(0.1));
+    let mut y = 0.0;
+    for _ in 0..2 + dice.below(3) {
+        let (net, spacing, name) = thin(&mut dice);
+        let thickness = [0.0, 0.002, 0.01][dice.below(3)];
+        // What has no thickness keeps a tenth of its spacing from others.
+        let keeps = if thickness > 0.0 {
+            thickness
+        } else {
+            0.1 * spacing
+        };
+        y += keeps + dice.range(0.002, 0.02);
+        // Node over node, or a little beside.
+        let aside = [0.0, dice.decade(1e-4, 0.1)][dice.below(2)];
+        let yaw = [0.0, dice.range(-1.0, 1.0)][dice.below(2)];
+        let at = Vector::new(aside, y, 0.7 * aside);
+        let (young, density) = (dice.decade(0.3e6, 3.0e6), dice.decade(200.0, 1000.0));
+        let viscosity = young * dice.range(0.05, 0.5) * spacing / (young / density).sqrt();
+        writeln!(about, "  {name}, {thickness} m thick, at {at:?}, turned by {yaw}: E {young:.3e} Pa, {density:.0} kg/m3, viscosity {viscosity:.3e}").unwrap();
+        let body = DeformableBuilder::new(net)
+            .material(Material::elastic(young, density).viscosity(viscosity))
+            .thickness(thickness)
+            .friction(friction)
+            .translation(at)
+            .rotation(Rotation::from_rotation_y(yaw));
+        deformables.insert(body).expect("a sound body");
+        y += keeps;
+    }
+    let (name, collider) = shape(&mut dice, true);
+    let mass = dice.decade(0.05, 50.0);
+    let at = Vector::new(dice.range(-0.1, 0.1), y + 0.25, dice.range(-0.1, 0.1));
+    let turn = if dice.below(2) == 0 {
+        dice.turn()
+    } else {
+        Rotation::IDENTITY
+    };
+    writeln!(
+        about,
+        "  rigid {name} of {mass} kg at {at:?}, friction {friction}"
+    )
+    .unwrap();
+    let body = RigidBodyBuilder::dynamic().pose(Pose::from_parts(at, turn));
+    let body = body.angular_damping(0.5);
+    world.insert(body, collider.mass(mass).friction(friction));
+    Scenery {
+        world,
+        deformables,
+        ground,
+        mover,
+        held_by_mover: Vec::new(),
+        about,
+    }
+}
+
+/// A sheet or a rope, and its spacing \[m\].
+fn thin(dice: &mut Dice) -> (Net, f32, String) {
+    let size = dice.range(0.3, 0.6);
+    let cells = 2 + dice.below(6);
+    let spacing = size / cells as f32;
+    if dice.below(3) == 0 {
+        let half = 0.5 * size * Vector::X;
+        let net = rope(-half, half, cells, 1e-4).expect("sound");
+        (net, spacing, format!("rope of {size} m, {cells} links"))
+    } else {
+        let nodes = cells + 1;
+        let net = sheet(size, size, nodes, nodes, 0.004).expect("sound");
+        (net, spacing, format!("sheet of {size} m, {cells} cells"))
     }
 }
