@@ -15,7 +15,8 @@ pub(super) const UNDER: f64 = 0.7;
 impl Pass<'_> {
     /// Finds the rows that are deep, but that no node of theirs can end, and how they lift the body that can: that which the nodes
     /// are tied to, out of what can't move, see [`Self::prepare_tied_lifts`]; and what presses nodes that are pinned, or that
-    /// something holds on their other side. Where no body can, what is between two of them is led half-way between.
+    /// something holds on their other side, be it through other deformables. Where no body can, what is between two of them is
+    /// led half-way between.
     pub(super) fn prepare_lifts(&mut self, fastest: f64) {
         self.prepare_tied_lifts(fastest);
         let mut pinched = false;

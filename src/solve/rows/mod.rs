@@ -8,7 +8,7 @@
 //!
 //! A light node between two heavy bodies takes as many passes as they are heavier than it, if each row sees the node
 //! alone. Rows that share a node with rows on that node alone see what those make of it instead, see `squeeze`, and share the
-//! load of a body evenly, see `spread`.
+//! load of a body evenly, see `spread`. What lies on deformables that can't give way is held by them, see `layers`.
 //!
 //! Rows of one body at nearly the same point undo what the others do: they are solved together, see `bundle`.
 
