@@ -17,7 +17,7 @@ use super::nodes::Nodes;
 use super::site::Site;
 use super::target::{Frame, Target};
 use crate::body::state::State;
-use crate::math::{DVec3, Real};
+use crate::math::Real;
 use crate::solve::rows::Rows;
 use crate::solve::shadow::Shadow;
 
@@ -105,13 +105,12 @@ impl Candidates {
         }
     }
 
-    /// Takes in that the collider has moved to where its shadow stands, and the body with it: `past` tells how far anything of the body
-    /// has moved relative to what has moved by this \[m\].
-    pub fn follow(&mut self, shadow: &Shadow, past: impl Fn(DVec3) -> f64) {
+    /// Takes in that the collider has moved to where its shadow stands.
+    pub fn follow(&mut self, shadow: &Shadow) {
         let now = self.target.frame(shadow);
-        let last = self.frame.replace(now).unwrap_or(now);
-        let by = now.position - last.position;
-        self.way += past(by) + last.turned(&now, self.target.extent);
+        if let Some(last) = self.frame.replace(now) {
+            self.way += last.distance(&now, self.target.extent);
+        }
     }
 
     /// The collider's frame when it was last followed.
@@ -121,14 +120,15 @@ impl Candidates {
 
     /// Puts the lists by for the next step.
     pub fn pause(&mut self, shadow: &Shadow, edits: u64) {
-        self.follow(shadow, DVec3::length);
+        self.follow(shadow);
         self.edits = edits;
     }
 
-    /// Adds the rows of this substep to those of the group, once it has followed collider and body. In it nodes and collider may come
-    /// nearer by `closing` m. Whatever lies within `near` m stays in the lists of soups.
-    pub fn find_rows(&mut self, mut site: Site, closing: f64, near: f64) {
+    /// Adds the rows of this substep to those of the group, once it has followed the collider. In the last one nodes moved by up to
+    /// `moved` m, in this one nodes and collider may come nearer by `closing` m. Whatever lies within `near` m stays in the lists of soups.
+    pub fn find_rows(&mut self, mut site: Site, moved: f64, closing: f64, near: f64) {
         let frame = self.frame.unwrap_or_else(|| self.target.frame(site.shadow));
+        self.way += moved;
         let farthest = site.reach.farthest.max(near);
         self.nodes
             .refresh(&self.target, site.side.state, &frame, closing, farthest);

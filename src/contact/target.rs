@@ -109,20 +109,16 @@ impl Frame {
 
     /// A bound on how far a point within `extent` m of the origin lies from where the other frame has it \[m\].
     pub fn distance(&self, other: &Self, extent: f64) -> f64 {
-        (self.position - other.position).length() + self.turned(other, extent)
-    }
-
-    /// The same if both had their origins in the same place \[m\].
-    pub fn turned(&self, other: &Self, extent: f64) -> f64 {
         let turned = (0..3)
             .map(|i| (self.axes.col(i) - other.axes.col(i)).length_squared())
             .sum::<f64>();
         // A fixed half-space has no extent to speak of, and 0·∞ is no distance.
-        if turned > 0.0 {
+        let turned = if turned > 0.0 {
             turned.sqrt() * extent
         } else {
             0.0
-        }
+        };
+        (self.position - other.position).length() + turned
     }
 }
 

@@ -4,10 +4,8 @@
 //! they are where they move together: as what falls together does, or a heap that is carried along.
 
 use super::Deformable;
-use crate::contact::target::Target;
 use crate::math::DVec3;
 use crate::solve::kernel;
-use crate::solve::shadow::Shadow;
 
 /// Up to this speed the speed itself will do, in length units/s: it is half of what forces may add within a substep, see
 /// [`Reach`](crate::contact::site::Reach).
@@ -46,17 +44,6 @@ impl Span {
     pub fn within(speed: f64) -> Self {
         let hi = DVec3::splat(speed);
         Self { lo: -hi, hi }
-    }
-
-    /// Of what is within `extent` m of a shadow's centre of mass.
-    fn of_rigid(shadow: &Shadow, extent: f64) -> Self {
-        let spin = shadow.w.length();
-        // A half-space has no extent to speak of, and 0·∞ is no speed.
-        let turning = DVec3::splat(if spin > 0.0 { spin * extent } else { 0.0 });
-        Self {
-            lo: shadow.v - turning,
-            hi: shadow.v + turning,
-        }
     }
 
     /// With one velocity more.
@@ -99,29 +86,6 @@ impl Deformable {
         let spans = [self, other].map(|body| body.span.of_points(body.gain()));
         let together = self.fastest() + other.fastest();
         spans[0].apart(&spans[1]).min(together)
-    }
-
-    /// How fast its points may come nearer to those of a target in the coming substep, at most \[m/s\].
-    pub(super) fn closing_on(&self, target: &Target, shadow: &Shadow) -> f64 {
-        let together = self.fastest() + target.speed(shadow);
-        if shadow.v == DVec3::ZERO {
-            return together;
-        }
-        let span = Span::of_rigid(shadow, target.extent);
-        self.span.of_points(self.gain()).apart(&span).min(together)
-    }
-
-    /// How far its points may have moved in the last substep, and since, relative to what moved by this, at most \[m\].
-    pub(super) fn past(&self, by: DVec3) -> f64 {
-        let together = self.moved + by.length();
-        match &self.way {
-            Some(way) if by != DVec3::ZERO => {
-                let v = by / way.h;
-                let span = way.span.of_points(self.gain());
-                together.min(way.h * span.apart(&Span { lo: v, hi: v }))
-            }
-            _ => together,
-        }
     }
 
     /// How much nearer they may have come to those of another in the last substep, and since, at most \[m\].
@@ -169,19 +133,6 @@ mod tests {
                 prop_assert!(point.distance(other) <= most);
                 prop_assert!(span(&own).apart(&span(&others)) >= own[0].distance(other));
             }
-        }
-    }
-
-    proptest! {
-        #[test]
-        fn no_point_of_what_is_rigid_comes_nearer_faster(
-            own in velocity(),
-            (v, w, arm) in (velocity(), velocity(), velocity()),
-        ) {
-            let shadow = Shadow { v, w, ..Shadow::FIXED };
-            let rigid = Span::of_rigid(&shadow, arm.length());
-            let most = Span { lo: own, hi: own }.apart(&rigid);
-            prop_assert!(own.distance(shadow.velocity_at(arm)) <= most);
         }
     }
 

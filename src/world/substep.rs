@@ -191,33 +191,28 @@ impl Group {
     /// Contacts at the positions the substep starts from. Says by how much any two things may close in it at most \[m\].
     pub(super) fn look(&mut self, h: f64, s: &Settings) -> f64 {
         let mut most = 0.0_f64;
-        let together = self.moves_together();
         for (m, ((_, body), candidates)) in
             (0..).zip(self.members.iter_mut().zip(&mut self.candidates))
         {
             body.follow();
-            if together {
-                body.span = body.span_of_velocities(s.length_unit);
-            }
+            let (speed, moved) = (body.fastest(), body.moved);
+            let (side, slots) = body.side(m);
             for c in candidates.iter_mut() {
-                c.follow(&self.shadows[c.target.shadow as usize], |by| body.past(by));
+                c.follow(&self.shadows[c.target.shadow as usize]);
             }
             for i in 0..candidates.len() {
                 let (before, rest) = candidates.split_at_mut(i);
                 let [c, after @ ..] = rest else { continue };
                 let shadow = &self.shadows[c.target.shadow as usize];
-                let closing = h * body.closing_on(&c.target, shadow);
+                let closing = h * (speed + c.target.speed(shadow));
                 most = most.max(closing);
-                // What springs are about to do to a node may be more than the slack: reach goes by how fast each is.
-                let fast = h * (body.fastest() + c.target.speed(shadow));
                 let slack = h * s.length_unit;
                 let reach = Reach {
                     h,
                     touching: s.touching,
                     slack,
-                    farthest: s.touching + slack + 2.0 * fast,
+                    farthest: s.touching + slack + 2.0 * closing,
                 };
-                let (side, slots) = body.side(m);
                 let site = Site {
                     side,
                     shadow,
@@ -230,12 +225,15 @@ impl Group {
                         reach,
                     },
                 };
-                c.find_rows(site, closing, s.near);
+                c.find_rows(site, moved, closing, s.near);
             }
         }
-        for (_, body) in &mut self.members {
-            if let Some(outline) = &mut body.outline {
-                outline.loosen();
+        if !self.encounters.is_empty() {
+            for (_, body) in &mut self.members {
+                body.span = body.span_of_velocities(s.length_unit);
+                if let Some(outline) = &mut body.outline {
+                    outline.loosen();
+                }
             }
         }
         for encounter in &mut self.encounters {
@@ -243,11 +241,6 @@ impl Group {
             most = most.max(closing);
         }
         most
-    }
-
-    /// Whether there is anything that members may move together with.
-    fn moves_together(&self) -> bool {
-        !self.encounters.is_empty() || self.shadows.len() > 1
     }
 
     /// What touches, sticks and slides, for the next substep.
@@ -275,10 +268,10 @@ impl Group {
 
     /// How far every body has moved in the substep at most: what it moved freely, and what rows did to its nodes.
     fn note_ways(&mut self, h: f64, time: f64, s: &Settings) {
-        let together = self.moves_together();
+        let meets = !self.encounters.is_empty();
         for (_, body) in &mut self.members {
             body.moved = 0.0;
-            body.way = (together && body.integrator().takes_late_impulses()).then(|| Way {
+            body.way = (meets && body.integrator().takes_late_impulses()).then(|| Way {
                 ended: time,
                 h,
                 span: body.span_of_velocities(s.length_unit),
