@@ -60,6 +60,7 @@ impl Layers {
         }
     }
 
+    /// Whether most of a side of row `i` is held where there are at most `room` m behind it.
     fn holds_side(&self, all: All, i: usize, side: usize, room: f64) -> bool {
         let row = &all.contacts[i];
         let sign = [1.0, -1.0][side];
