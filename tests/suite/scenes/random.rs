@@ -344,7 +344,7 @@ fn stacks_10_to_19() {
 }
 
 #[test]
-#[ignore = "long: many minutes"]
+#[ignore = "long: many minutes; 257 and 269 gain 1.1 and 2.7 %"]
 fn five_hundred_stacks() {
     all_of(STACKS, 0..500);
 }
