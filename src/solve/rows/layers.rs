@@ -3,13 +3,16 @@
 //! Sheets under a box on a floor are moved out of each other at position level, and so is each out of the box and out of the floor. The box
 //! alone can make room for them, and it has to know that they have no other way to go.
 
-use super::lift::UNDER;
 use super::squeeze::Squeeze;
 use super::{Row, RowNode, Term};
 use crate::math::DVec3;
+use crate::solve::shadow::Shadow;
 
-/// How many of them are looked through.
-const MOST: usize = 8;
+/// How often all rows are gone through: most layers are found at once, as rows come in the order of their bodies.
+const SWEEPS: usize = 8;
+
+/// The cosine from which on what is under a node holds it against what presses it down.
+pub(super) const UNDER: f64 = 0.7;
 
 /// From which share of it on a point is held that has to give way otherwise. What presses on a face from either side seldom has the very
 /// same nodes.
@@ -24,7 +27,7 @@ pub(super) struct Layers {
 
 /// The rows of a substep and their nodes.
 #[derive(Clone, Copy)]
-pub(super) struct All<'a> {
+pub(super) struct Seen<'a> {
     pub contacts: &'a [Row],
     pub terms: &'a [Term],
     pub nodes: &'a [RowNode],
@@ -32,16 +35,17 @@ pub(super) struct All<'a> {
 }
 
 impl Layers {
-    /// Looks for them, if anything is deep in what is rigid.
-    pub fn find(&mut self, all: All) {
+    /// Looks for them where a rigid body that can make room is inside of something: nobody else asks.
+    pub fn find(&mut self, all: Seen, shadows: &[Shadow]) {
         self.held.clear();
         self.held.resize(all.contacts.len(), [false; 2]);
-        let rigid = all.contacts.iter().filter(|row| !row.between);
+        let moves = |row: &&Row| shadows[row.shadow as usize].gives_way();
+        let rigid = all.contacts.iter().filter(moves);
         let deepest = rigid.map(|row| row.depth).fold(0.0, f64::max);
         if deepest <= 0.0 {
             return;
         }
-        for _ in 0..MOST {
+        for _ in 0..SWEEPS {
             let mut found = false;
             for i in 0..all.contacts.len() {
                 if !all.contacts[i].between {
@@ -61,7 +65,7 @@ impl Layers {
     }
 
     /// Whether most of a side of row `i` is held where there are at most `room` m behind it.
-    fn holds_side(&self, all: All, i: usize, side: usize, room: f64) -> bool {
+    fn holds_side(&self, all: Seen, i: usize, side: usize, room: f64) -> bool {
         let row = &all.contacts[i];
         let sign = [1.0, -1.0][side];
         let terms = all.terms[row.terms.range()].iter();
@@ -79,7 +83,7 @@ impl Layers {
     /// The rows at a node that push it against a direction, but for row `i`: those on rigid bodies, and those on deformables that are held.
     pub fn against<'a>(
         &'a self,
-        all: All<'a>,
+        all: Seen<'a>,
         (i, node): (usize, u32),
         along: DVec3,
     ) -> impl Iterator<Item = &'a Row> {
@@ -91,13 +95,14 @@ impl Layers {
             if !row.between {
                 return (push < -least).then_some(row);
             }
-            let [above, below] = self.held[j];
-            if push.abs() <= least || !(above || below) {
+            let [positive, negative] = self.held[j];
+            if push.abs() <= least || !(positive || negative) {
                 return None;
             }
             let mut terms = all.terms[row.terms.range()].iter();
             let weight = terms.find(|t| t.node == node)?.weight;
-            let held = if weight > 0.0 { below } else { above };
+            // It is pushed by what is on the other side of the row.
+            let held = if weight > 0.0 { negative } else { positive };
             (held && push * weight < 0.0).then_some(row)
         })
     }

@@ -1,6 +1,6 @@
 //! Lifts: how a body gets out of what the nodes that it holds are in, and out of nodes that can't get out of it.
 
-use super::layers::{All, HELD_SHARE};
+use super::layers::{HELD_SHARE, Seen, UNDER};
 use super::pass::{Pass, inverse};
 use super::{LEAD_RATE, Row, Term};
 use crate::law::row::Lift;
@@ -8,9 +8,6 @@ use crate::law::row::Lift;
 /// How much impulse a lift may take, in what gives its speed to a free body and the nodes of the row: what rests on
 /// something has its weight to lift besides, and other nodes that the body holds.
 const LIFT_IMPULSE: f64 = 6.0;
-
-/// The cosine from which on what is under a node holds it against what presses it down.
-pub(super) const UNDER: f64 = 0.7;
 
 impl Pass<'_> {
     /// Finds the rows that are deep, but that no node of theirs can end, and how they lift the body that can: that which the nodes
@@ -77,7 +74,7 @@ impl Pass<'_> {
     /// Rows at a node that press against row `i`.
     fn across(&self, i: usize, node: u32) -> impl Iterator<Item = &Row> {
         let against = || {
-            let all = All {
+            let all = Seen {
                 contacts: self.contacts,
                 terms: self.points.terms,
                 nodes: self.points.nodes,

@@ -42,7 +42,7 @@ use climb::Attempt;
 use composite::Composites;
 pub use contact::Row;
 pub use joint::{Joint, JointRow};
-use layers::{All, Layers};
+use layers::{Layers, Seen};
 use rigid::Answers;
 pub use rigid::RigidRow;
 pub use settled::{Give, Negligible};
@@ -189,12 +189,12 @@ impl Rows {
         if self.contacts.len() <= 1 || !self.contacts[i].between {
             return false;
         }
-        let mut others = self.layers.against(self.all(), (i, node), way);
+        let mut others = self.layers.against(self.seen(), (i, node), way);
         others.any(|row| row.softness == 0.0 && row.depth + row.normal.dot(way).abs() > 0.0)
     }
 
-    fn all(&self) -> All<'_> {
-        All {
+    fn seen(&self) -> Seen<'_> {
+        Seen {
             contacts: &self.contacts,
             terms: &self.terms,
             nodes: &self.nodes,

@@ -37,7 +37,7 @@ impl Rows {
     /// Solves all rows in at most `passes` passes, or so many times as many where they need it, stopping once one changes
     /// nothing, and books the impulses to the shadows. `reversed` picks the order of the first pass.
     pub fn solve(&mut self, shadows: &mut [Shadow], h: f64, passes: usize, reversed: bool) {
-        let squeezed = self.find_squeezed();
+        let squeezed = self.find_squeezed(shadows);
         let rows = self.contacts.len() + self.ties.len() + self.rigid.len() + self.joints.len();
         self.worklist.start(self.nodes.len(), shadows, rows);
         let negligible = if self.ties.is_empty() {
@@ -103,7 +103,7 @@ impl Rows {
     }
 
     /// Finds what is squeezed between rows; `false` where there is too little for that.
-    fn find_squeezed(&mut self) -> bool {
+    fn find_squeezed(&mut self, shadows: &[Shadow]) -> bool {
         if self.contacts.len() + self.ties.len() <= 1 {
             self.contacts.iter_mut().for_each(Row::cool);
             return false;
@@ -111,7 +111,7 @@ impl Rows {
         self.squeeze
             .find(self.nodes.len(), &self.contacts, &self.ties, &self.terms);
         let mut layers = std::mem::take(&mut self.layers);
-        layers.find(self.all());
+        layers.find(self.seen(), shadows);
         self.layers = layers;
         self.held.clear();
         self.held.resize(self.contacts.len(), Held::default());

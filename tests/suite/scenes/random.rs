@@ -1,5 +1,6 @@
-//! Random scenes of two to eight bodies of all kinds. A scene is a function of its seed; one that fails is printed, and
-//! runs alone with `CRUMPLE_SEED=n cargo test --release --features cli random::one_seed -- --ignored --nocapture`.
+//! Random scenes of two to eight bodies of all kinds, and stacks of thin ones. A scene is a function of its seed; one that
+//! fails is printed, and runs alone with `CRUMPLE_SEED=n cargo test --release --features cli random::one_seed -- --ignored
+//! --nocapture`, a stack with `random::one_stack`.
 
 mod build;
 
@@ -12,9 +13,9 @@ use crumple::scenario::survey::{all_finite, depth_in, mechanical_energy};
 /// How scenes are made of seeds, and how many steps they go on.
 type Kind = (fn(u64) -> Scenery, usize);
 
-/// Bodies of all kinds that meet within 10 s.
+/// Bodies of all kinds, for 10 s.
 const BODIES: Kind = (scene, 600);
-/// Thin ones on each other, under a rigid one.
+/// Thin ones on each other, under a rigid one, for 2.5 s.
 const STACKS: Kind = (stack, 150);
 
 /// A deformable all of whose nodes go on slower than this, step by step for a whole second, is at rest [m/s]. Positions

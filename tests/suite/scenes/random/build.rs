@@ -214,14 +214,20 @@ fn surroundings(world: &mut PhysicsWorld) -> (RigidBodyHandle, ColliderHandle) {
     )
 }
 
-/// The scene of a seed.
-pub fn scene(seed: u64) -> Scenery {
-    let mut dice = Dice(seed);
-    let mut about = String::new();
+/// Both worlds, for steps of [`DT`].
+fn empty() -> (PhysicsWorld, DeformableWorld) {
     let mut world = PhysicsWorld::default();
     world.integration_parameters.dt = DT as f32;
     let mut deformables = DeformableWorld::default();
     deformables.params.expected_dt = DT;
+    (world, deformables)
+}
+
+/// The scene of a seed.
+pub fn scene(seed: u64) -> Scenery {
+    let mut dice = Dice(seed);
+    let mut about = String::new();
+    let (mut world, mut deformables) = empty();
     let (floor, on_solid) = ground(&mut dice, &mut about);
     let (_, ground) = world.insert(RigidBodyBuilder::fixed(), floor);
     let mover = surroundings(&mut world);
@@ -307,10 +313,7 @@ pub fn scene(seed: u64) -> Scenery {
 pub fn stack(seed: u64) -> Scenery {
     let mut dice = Dice(seed);
     let mut about = String::new();
-    let mut world = PhysicsWorld::default();
-    world.integration_parameters.dt = DT as f32;
-    let mut deformables = DeformableWorld::default();
-    deformables.params.expected_dt = DT;
+    let (mut world, mut deformables) = empty();
     let floor = ColliderBuilder::cuboid(3.0, 0.5, 3.0).translation(Vector::Y * -0.5);
     let friction = dice.range(0.0, 0.9);
     let (_, ground) = world.insert(RigidBodyBuilder::fixed(), floor.friction(friction));
@@ -333,7 +336,11 @@ pub fn stack(seed: u64) -> Scenery {
         let at = Vector::new(aside, y, 0.7 * aside);
         let (young, density) = (dice.decade(0.3e6, 3.0e6), dice.decade(200.0, 1000.0));
         let viscosity = young * dice.range(0.05, 0.5) * spacing / (young / density).sqrt();
-        writeln!(about, "  {name}, {thickness} m thick, at {at:?}, turned by {yaw}: E {young:.3e} Pa, {density:.0} kg/m3, viscosity {viscosity:.3e}").unwrap();
+        writeln!(
+            about,
+            "  {name}, {thickness} m thick, at {at:?}, turned by {yaw}: E {young:.3e} Pa, {density:.0} kg/m3, viscosity {viscosity:.3e}"
+        )
+        .unwrap();
         let body = DeformableBuilder::new(net)
             .material(Material::elastic(young, density).viscosity(viscosity))
             .thickness(thickness)
