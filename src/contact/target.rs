@@ -184,10 +184,25 @@ pub fn wide_rotation(r: Rotation) -> DQuat {
 /// groups that agree. A deformable counts as a dynamic body
 /// with the usual collision types, and Rapier asks for the agreement of one side only, so the collider's do not matter.
 pub fn admits(collider: &Collider, body: Option<&RigidBody>, surface: &Surface) -> bool {
-    collider.is_enabled()
-        && body.is_none_or(|b| b.is_enabled() && !b.is_soft_frame())
+    is_on(collider, body)
+        && body.is_none_or(|b| !b.is_soft_frame())
         && collider.deformable_mesh_ref().is_none()
         && surface.collision_groups.test(collider.collision_groups())
+}
+
+/// Whether a collider, of a body if it has one, is switched on in the coming step of Rapier: only then are those marked whose body
+/// has been switched on or off.
+pub fn is_on(collider: &Collider, body: Option<&RigidBody>) -> bool {
+    let is_off_by_body = || {
+        // Only one that is switched off itself can be switched on.
+        let mut copy = collider.clone();
+        copy.set_enabled(true);
+        !copy.is_enabled()
+    };
+    match body {
+        Some(body) => body.is_enabled() && (collider.is_enabled() || is_off_by_body()),
+        None => collider.is_enabled(),
+    }
 }
 
 /// Whether an admitted collider pushes. Sensors, and those of solver groups that don't agree, only notice.

@@ -8,8 +8,8 @@ use crate::contact::target::wide_rotation;
 use crate::math::{DMat3, DVec3, Vector, wide};
 use crate::solve::shadow::Shadow;
 use rapier3d::dynamics::{
-    ImpulseJointSet, IntegrationParameters, MultibodyJointSet, RigidBody, RigidBodyHandle,
-    RigidBodyPosition, RigidBodySet, RigidBodyType,
+    ImpulseJoint, ImpulseJointHandle, ImpulseJointSet, IntegrationParameters, JointEnabled,
+    MultibodyJointSet, RigidBody, RigidBodyHandle, RigidBodyPosition, RigidBodySet, RigidBodyType,
 };
 use rapier3d::geometry::{BroadPhaseBvh, ColliderSet, NarrowPhase};
 
@@ -48,6 +48,34 @@ impl<'a> From<&'a rapier3d::pipeline::PhysicsWorld> for Surroundings<'a> {
             multibodies: &world.multibody_joints,
         }
     }
+}
+
+impl<'a> Surroundings<'a> {
+    /// The joints of a body, with the bodies at their ends.
+    pub fn joints_of(&self, body: RigidBodyHandle) -> impl Iterator<Item = AttachedJoint<'a>> {
+        joints_of(body, (self.joints, self.bodies))
+    }
+}
+
+/// The bodies that a joint joins, its handle, and the joint.
+pub type AttachedJoint<'a> = (
+    RigidBodyHandle,
+    RigidBodyHandle,
+    ImpulseJointHandle,
+    &'a ImpulseJoint,
+);
+
+/// The joints of a body that are switched on in the coming step of Rapier: only then are those marked that were switched on or off
+/// with a body.
+pub fn joints_of<'a>(
+    body: RigidBodyHandle,
+    (joints, bodies): (&'a ImpulseJointSet, &'a RigidBodySet),
+) -> impl Iterator<Item = AttachedJoint<'a>> {
+    let is_on = |body| bodies.get(body).is_some_and(RigidBody::is_enabled);
+    let all = joints.attached_joints(body);
+    all.filter(move |&(a, b, _, joint)| {
+        joint.data.enabled != JointEnabled::Disabled && is_on(a) && is_on(b)
+    })
 }
 
 /// How a rigid body answers.
@@ -233,8 +261,7 @@ pub fn answer(
 }
 
 fn has_joint(handle: RigidBodyHandle, around: &Surroundings) -> bool {
-    let mut joints = around.joints.attached_enabled_joints(handle);
-    joints.next().is_some()
+    around.joints_of(handle).next().is_some()
 }
 
 fn is_link(handle: RigidBodyHandle, around: &Surroundings) -> bool {
@@ -267,7 +294,29 @@ pub fn response(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rapier3d::dynamics::RigidBodyBuilder;
+    use rapier3d::dynamics::{FixedJointBuilder, RigidBodyBuilder};
+    use rapier3d::pipeline::PhysicsWorld;
+
+    /// Symptom: what was joined to a body that was switched on again counted as free in the step that followed.
+    #[test]
+    fn joints_are_switched_with_their_bodies() {
+        let mut world = PhysicsWorld::default();
+        let bodies = [0.0, 1.0].map(|x| {
+            let body = RigidBodyBuilder::dynamic().translation(Vector::X * x);
+            world.insert_body(body.additional_mass(1.0))
+        });
+        let joint = FixedJointBuilder::new();
+        world
+            .impulse_joints
+            .insert(bodies[0], bodies[1], joint, true);
+        let count = |world: &_| Surroundings::from(world).joints_of(bodies[1]).count();
+        for enabled in [true, false, true, false] {
+            world.bodies[bodies[0]].set_enabled(enabled);
+            assert_eq!(count(&world), usize::from(enabled));
+            world.step();
+            assert_eq!(count(&world), usize::from(enabled));
+        }
+    }
 
     /// Symptom: nothing fell asleep on a tilted lift at rest. Cause: Rapier's difference of two equal poses is rounded.
     #[test]

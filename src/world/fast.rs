@@ -6,7 +6,7 @@
 
 use super::reach::{grown, travel, true_pose};
 use super::{AttachmentState, RapierParts};
-use crate::contact::target::wide_rotation;
+use crate::contact::target::{is_on, wide_rotation};
 use crate::coupling::attach::Point;
 use crate::coupling::observe::velocity;
 use crate::math::{Vector, narrow, wide};
@@ -47,7 +47,8 @@ impl Fast {
                 continue;
             }
             for &handle in body.colliders() {
-                if let Some(collider) = parts.colliders.get(handle).filter(|c| c.is_enabled()) {
+                if let Some(collider) = parts.colliders.get(handle).filter(|c| is_on(c, Some(body)))
+                {
                     let bounds = collider.shape().compute_aabb(&true_pose(collider, parts));
                     boxes.extend(swept(&bounds, travel(speed, dt, parts)));
                     fast.speeds.resize(boxes.len(), speed);

@@ -32,8 +32,7 @@ impl DeformableWorld {
         let Some(body) = body.filter(|b| !b.is_sleeping()) else {
             return;
         };
-        let mut joints = parts.impulse_joints.attached_enabled_joints(touched.body);
-        let on_joints = joints.next().is_some();
+        let on_joints = parts.joints_of(touched.body).next().is_some();
         let (holds, is_stiff) = (held.holds(touched.body), held.is_stiff(touched.body));
         let rot = wide_rotation(*body.rotation());
         let miss_of = |com: DVec3| (end.com - com, rotation_vector(end.rot * rot.inverse()));

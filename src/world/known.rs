@@ -3,6 +3,7 @@
 use super::RapierParts;
 use super::reach::true_pose;
 use crate::contact::form::address;
+use crate::contact::target::is_on;
 use crate::math::Pose;
 use rapier3d::geometry::{Aabb, Collider, ColliderHandle, Shape, ShapeType, SharedShape};
 use std::sync::{Arc, Weak};
@@ -29,7 +30,7 @@ impl Known {
     pub fn strays(&mut self, parts: &RapierParts) -> Vec<ColliderHandle> {
         let mut strays = Vec::new();
         for (handle, collider) in parts.colliders.iter() {
-            let now = self.boxes.describe(handle, collider);
+            let now = self.boxes.describe(handle, collider, parts);
             let (index, _) = handle.into_raw_parts();
             if self.colliders.get(index as usize) != Some(&Some(now))
                 || true_pose(collider, parts) != *collider.position()
@@ -40,6 +41,23 @@ impl Known {
         strays
     }
 
+    /// Whether it has known a collider.
+    pub fn knows(&self, handle: ColliderHandle) -> bool {
+        let (index, generation) = handle.into_raw_parts();
+        let last = self.colliders.get(index as usize);
+        last.is_some_and(|last| last.is_some_and(|(last, ..)| last == generation))
+    }
+
+    /// The colliders that it knows and that are not there any more.
+    pub fn gone(&self, parts: &RapierParts) -> impl Iterator<Item = ColliderHandle> {
+        let known = (0..).zip(&self.colliders);
+        let known = known.filter_map(|(index, last)| {
+            let (generation, ..) = (*last)?;
+            Some(ColliderHandle::from_raw_parts(index, generation))
+        });
+        known.filter(|handle| !parts.colliders.contains(*handle))
+    }
+
     /// Strays count as known once a Rapier step is certain to follow.
     pub fn remember(&mut self, strays: &[ColliderHandle], parts: &RapierParts) {
         for &handle in strays {
@@ -48,7 +66,7 @@ impl Known {
             let count = self.colliders.len().max(index + 1);
             self.colliders.resize(count, None);
             let collider = parts.colliders.get(handle);
-            self.colliders[index] = collider.map(|c| self.boxes.describe(handle, c));
+            self.colliders[index] = collider.map(|c| self.boxes.describe(handle, c, parts));
         }
     }
 }
@@ -60,11 +78,17 @@ struct Boxes(Vec<Option<(Weak<dyn Shape>, Aabb)>>);
 
 impl Boxes {
     /// What the BVH will know of a collider after the coming step.
-    fn describe(&mut self, handle: ColliderHandle, collider: &Collider) -> Description {
+    fn describe(
+        &mut self,
+        handle: ColliderHandle,
+        collider: &Collider,
+        parts: &RapierParts,
+    ) -> Description {
+        let body = collider.parent().and_then(|b| parts.bodies.get(b));
         let (index, generation) = handle.into_raw_parts();
         (
             generation,
-            collider.is_enabled(),
+            is_on(collider, body),
             self.of(index as usize, collider.shared_shape()),
             collider.parent().is_none().then(|| *collider.position()),
         )

@@ -124,7 +124,7 @@ impl DeformableWorld {
         let mut found: BTreeSet<BodyKey> = stiff.map(|(key, _)| key).collect();
         let mut next: Vec<BodyKey> = found.iter().copied().collect();
         while let Some(key) = next.pop() {
-            let joints = parts.impulse_joints.attached_enabled_joints(handle_of(key));
+            let joints = parts.joints_of(handle_of(key));
             let others = joints.flat_map(|(first, second, ..)| [first, second]);
             let others = others.filter(|other| parts.moving(*other).is_some());
             let others = others.map(RigidBodyHandle::into_raw_parts);
@@ -252,10 +252,9 @@ enum Mount {
 
 impl Mount {
     fn of(body: RigidBodyHandle, parts: &RapierParts) -> Self {
-        let mut joints = parts.impulse_joints.attached_enabled_joints(body);
         if parts.multibody_joints.rigid_body_link(body).is_some() {
             Self::Link
-        } else if joints.next().is_some() {
+        } else if parts.joints_of(body).next().is_some() {
             Self::Joints
         } else {
             Self::None

@@ -165,6 +165,7 @@ pub struct DeformableWorld {
     courses: kinematic::Courses,
     /// What Rapier's BVH knows.
     known: known::Known,
+    moorings: sleep::Moorings,
     /// Who touches whom.
     touches: BTreeMap<touch::TouchKey, touch::Touch>,
     /// Groups asleep, and groups that may fall asleep at the end of the step.

@@ -1,6 +1,6 @@
 //! Rapier's sets by reference, for those who own the loop themselves.
 
-use crate::coupling::observe::Surroundings;
+use crate::coupling::observe::{AttachedJoint, Surroundings, joints_of};
 use crate::math::Vector;
 use rapier3d::dynamics::{
     ImpulseJointSet, IntegrationParameters, IslandManager, MultibodyJointSet, RigidBody,
@@ -54,9 +54,17 @@ impl RapierParts<'_> {
         body.filter(|b| b.is_dynamic() && b.is_enabled())
     }
 
+    /// The joints of a body, with the bodies at their ends.
+    pub(super) fn joints_of(
+        &self,
+        body: RigidBodyHandle,
+    ) -> impl Iterator<Item = AttachedJoint<'_>> {
+        joints_of(body, (self.impulse_joints, self.bodies))
+    }
+
     /// The bodies that a body is jointed to, linked to in a multibody, or presses on. It may be among them itself.
     pub(super) fn bound_to(&self, body: RigidBodyHandle) -> impl Iterator<Item = RigidBodyHandle> {
-        let joints = self.impulse_joints.attached_enabled_joints(body);
+        let joints = self.joints_of(body);
         let joined = joints.flat_map(|(first, second, ..)| [first, second]);
         let links = self.multibody_joints.attached_joints(body);
         let linked = links.flat_map(|(first, second, ..)| [first, second]);

@@ -28,10 +28,33 @@ pub struct Crossing {
     pub gap: f64,
 }
 
-/// The directions from an edge into its faces, square to it, zero for none; `None` where it does not stand out.
-pub fn outstanding(body: &Posed, edge: u32) -> Option<[DVec3; 2]> {
-    let flanks = flanks(body, edge);
-    stands_out(body, edge, &flanks).then_some(flanks)
+/// How an edge lies in its surface.
+pub struct Ridge {
+    /// The directions from it into its faces, square to it, zero for none.
+    pub flanks: [DVec3; 2],
+    /// Whether it stands out, and is not flat.
+    pub is_sharp: bool,
+}
+
+impl Ridge {
+    /// That of an edge; `None` for a hollow one of a solid, which meets nothing.
+    pub fn of(body: &Posed, edge: u32) -> Option<Self> {
+        let flanks = flanks(body, edge);
+        let inwards = flanks[0] + flanks[1];
+        let is_border = flanks.contains(&DVec3::ZERO);
+        let is_sharp = is_border || inwards.length_squared() >= FLAT * FLAT;
+        let is_hollow = || body.outline.closed && inwards.dot(body.edge_normal(edge)) > 0.0;
+        (is_border || !is_sharp || !is_hollow()).then_some(Self { flanks, is_sharp })
+    }
+
+    /// Whether it can push along a unit `way`; a flat one does across its faces alone.
+    fn can_push(&self, way: DVec3, touched: bool) -> bool {
+        if self.is_sharp {
+            can_push(self.flanks, way, touched)
+        } else {
+            self.flanks.iter().all(|f| f.dot(way) <= FLAT)
+        }
+    }
 }
 
 fn flanks(body: &Posed, edge: u32) -> [DVec3; 2] {
@@ -54,18 +77,6 @@ fn third(body: &Posed, edge: u32, face: u32) -> Option<u32> {
     corners.find(|n| !ends.contains(n))
 }
 
-/// Whether an edge stands out: it has fewer than two faces, or they bend. A hollow edge of a solid does not.
-fn stands_out(body: &Posed, edge: u32, flanks: &[DVec3; 2]) -> bool {
-    if flanks.contains(&DVec3::ZERO) {
-        return true;
-    }
-    let inwards = flanks[0] + flanks[1];
-    if inwards.length_squared() < FLAT * FLAT {
-        return false;
-    }
-    !body.outline.closed || inwards.dot(body.edge_normal(edge)) < 0.0
-}
-
 /// The face of an edge that looks most along a unit `normal`: its third corner, and its corners from those of the edge on; `None` where it
 /// is seen too steeply to take a couple.
 pub fn face_across(body: &Posed, edge: u32, normal: DVec3) -> Option<(u32, [DVec3; 3])> {
@@ -83,17 +94,20 @@ pub fn face_across(body: &Posed, edge: u32, normal: DVec3) -> Option<(u32, [DVec
 }
 
 /// Where edge `edges[0]` of the first body and `edges[1]` of the second cross, if they do: they come nearest at `along` of
-/// each. `flank` is what [`outstanding`] says of the first; `last` is the normal they had last.
+/// each. `ridge` is how the first lies; `last` is the normal they had last.
 pub fn crossing(
     bodies: [&Posed; 2],
     edges: [u32; 2],
     along: [f64; 2],
-    flank: &[DVec3; 2],
+    ridge: &Ridge,
     last: Option<DVec3>,
 ) -> Option<Crossing> {
     let (a, b) = (bodies[0].ends(edges[0]), bodies[1].ends(edges[1]));
     let way = a[0].lerp(a[1], along[0]) - b[0].lerp(b[1], along[1]);
-    let other = outstanding(bodies[1], edges[1])?;
+    let other = Ridge::of(bodies[1], edges[1])?;
+    if !ridge.is_sharp && !other.is_sharp {
+        return None;
+    }
     let across = (a[1] - a[0]).cross(b[1] - b[0]).normalize();
     let out_of = |k: usize| {
         if bodies[k].outline.closed {
@@ -111,8 +125,9 @@ pub fn crossing(
     let normal = if side < 0.0 { -across } else { across };
     let gap = way.dot(normal);
     let shortest = a[0].distance(a[1]).min(b[0].distance(b[1]));
-    let can_push = |flanks: [DVec3; 2], way| can_push(flanks, way, last.is_some());
-    let possible =
-        gap > -DEEPEST * shortest && can_push(other, normal) && can_push(*flank, -normal);
+    let touched = last.is_some();
+    let possible = gap > -DEEPEST * shortest
+        && other.can_push(normal, touched)
+        && ridge.can_push(-normal, touched);
     possible.then_some(Crossing { along, normal, gap })
 }

@@ -192,8 +192,7 @@ impl Encounter {
             if a.outline.is_broken(edge, a.state) {
                 continue;
             }
-            // Most edges of a solid are flat, and meet none.
-            let Some(flank) = edge::outstanding(&a, edge) else {
+            let Some(ridge) = edge::Ridge::of(&a, edge) else {
                 continue;
             };
             let ends = a.ends(edge);
@@ -210,7 +209,7 @@ impl Encounter {
                     continue;
                 };
                 let (pair, normal) = ([edge, other], last.map(|t| t.normal));
-                let found = edge::crossing([&a, &b], pair, along, &flank, normal);
+                let found = edge::crossing([&a, &b], pair, along, &ridge, normal);
                 if let Some(found) = found {
                     let draft = self.draft_edges(pair, &found, last, bodies, &reach);
                     let into = -draft.velocity(bodies).dot(found.normal);

@@ -44,7 +44,7 @@ pub type JointKey = (bool, (u32, u32));
 
 /// The joints of a body.
 pub fn of<'a>(body: RigidBodyHandle, around: &Surroundings<'a>) -> Vec<(JointKey, AnyJoint<'a>)> {
-    let joints = around.joints.attached_enabled_joints(body);
+    let joints = around.joints_of(body);
     let joints = joints.map(|(_, _, handle, joint)| {
         let any = AnyJoint {
             bodies: [joint.body1(), joint.body2()],

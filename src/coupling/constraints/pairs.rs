@@ -1,5 +1,6 @@
 //! Which colliders may press on each other, by Rapier's rules.
 
+use crate::contact::target::is_on;
 use crate::coupling::observe::Surroundings;
 use crate::math::Pose;
 use rapier3d::dynamics::{RigidBody, RigidBodyHandle, RigidBodyType};
@@ -49,7 +50,7 @@ pub fn of<'a>(body: &RigidBody, around: &Surroundings<'a>) -> Vec<Pair<'a>> {
     );
     let mut pairs = Vec::new();
     for &handle in body.colliders() {
-        let Some(own) = side(handle, around).filter(|s| s.collider.is_enabled()) else {
+        let Some(own) = side(handle, around).filter(|s| is_on(s.collider, Some(body))) else {
             continue;
         };
         let reach = around.parameters.prediction_distance() + own.collider.contact_skin();
@@ -114,11 +115,9 @@ fn pair<'a>(own: Side<'a>, other: Side<'a>, around: &Surroundings<'a>) -> Option
         bounds.loosened(margin + s.collider.contact_skin())
     };
     let near = || last.is_some() || bounds(&own).intersects(&bounds(&other));
-    let allowed = other.collider.is_enabled()
+    let allowed = is_on(other.collider, other.body.map(|(_, b)| b))
         && !(a.is_sensor() || b.is_sensor())
-        && other
-            .body
-            .is_none_or(|(_, b)| b.is_enabled() && !b.is_soft_frame())
+        && other.body.is_none_or(|(_, b)| !b.is_soft_frame())
         && b.deformable_mesh_ref().is_none()
         && own.body.map(|(h, _)| h) != other.body.map(|(h, _)| h)
         && (meets(a) || meets(b))

@@ -36,7 +36,7 @@ impl Linkage {
         let mut next = 0;
         while let Some(&current) = linkage.bodies.get(next) {
             next += 1;
-            for (a, b, _, _) in around.joints.attached_enabled_joints(current) {
+            for (a, b, _, _) in around.joints_of(current) {
                 let other = if a == current { b } else { a };
                 let moves = around.bodies.get(other).is_some_and(|b| b.is_dynamic());
                 if moves && linkage.index(other).is_none() && linkage.bodies.len() < MOST {

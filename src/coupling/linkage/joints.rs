@@ -92,7 +92,7 @@ impl Linkage {
     /// Takes in the joints of a body with those before it and with what does not move.
     pub(super) fn join(&mut self, index: usize, around: &Surroundings, dt: f64) {
         let own = self.bodies[index];
-        for (a, b, _, joint) in around.joints.attached_enabled_joints(own) {
+        for (a, b, _, joint) in around.joints_of(own) {
             let other = if a == own { b } else { a };
             let partner = self.index(other);
             let dynamic = around.bodies.get(other).is_some_and(|b| b.is_dynamic());

@@ -6,11 +6,13 @@
 //! wakes those that must not.
 
 mod island;
+mod moored;
 mod rigid;
 mod struck;
 mod wake;
 
 pub(super) use island::{Drowsy, Island};
+pub(super) use moored::Moorings;
 #[cfg(feature = "serde-serialize")]
 pub(super) use wake::{HeldShape, Neighbour};
 

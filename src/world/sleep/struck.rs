@@ -3,6 +3,7 @@
 //! Rapier wakes them within its step, but in that step what they lie on or hold of a deformable would be neither their support
 //! nor as stiff as it is: it would find them where one long step of Rapier's has driven them.
 
+use crate::contact::target::is_on;
 use crate::coupling::observe::velocity;
 use crate::math::{DVec3, Pose, Vector, narrow, wide};
 use crate::world::group::{BodyKey, handle_of};
@@ -183,7 +184,7 @@ fn colliders<'a>(
 ) -> impl Iterator<Item = &'a Collider> {
     let all = body.colliders().iter();
     let all = all.filter_map(|h| parts.colliders.get(*h));
-    all.filter(|c| c.is_enabled() && !c.is_sensor())
+    all.filter(|c| is_on(c, Some(body)) && !c.is_sensor())
 }
 
 /// A body asleep, and all that sleep with it: in contact or on joints.

@@ -15,7 +15,7 @@ pub use error::SnapshotError;
 
 use super::group::BodyKey;
 use super::known::Known;
-use super::sleep::{HeldShape, Island, Neighbour};
+use super::sleep::{HeldShape, Island, Moorings, Neighbour};
 use super::touch::{Touch, TouchKey};
 use super::{AttachmentState, Deformable, DeformableParameters, DeformableWorld, kinematic, meet};
 use crate::contact::candidates::{self, Candidates};
@@ -46,6 +46,7 @@ struct Outgoing<'a> {
     meetings: &'a meet::Meetings,
     courses: &'a kinematic::Courses,
     known: &'a Known,
+    moorings: &'a Moorings,
     touches: &'a BTreeMap<TouchKey, Touch>,
     islands: &'a [Island],
     /// Hashes of the shapes beside the islands, in their order; `None` for those that are others by now.
@@ -68,6 +69,7 @@ struct Incoming {
     meetings: meet::Meetings,
     courses: kinematic::Courses,
     known: Known,
+    moorings: Moorings,
     touches: BTreeMap<TouchKey, Touch>,
     islands: Vec<Island>,
     shapes: Vec<Option<u64>>,
@@ -178,6 +180,7 @@ impl DeformableWorld {
             meetings: &self.meetings,
             courses: &self.courses,
             known: &self.known,
+            moorings: &self.moorings,
             touches: &self.touches,
             islands: &self.islands,
             shapes: beside.map(shape).collect(),
@@ -201,6 +204,7 @@ impl Incoming {
             meetings: self.meetings,
             courses: self.courses,
             known: self.known,
+            moorings: self.moorings,
             touches: self.touches,
             islands: self.islands,
             time: self.time,

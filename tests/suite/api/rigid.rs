@@ -73,7 +73,7 @@ fn a_floor_taken_away_lets_fall_in_the_same_step() {
 }
 
 /// What puts a floor under a node that falls past y = 0 within this step. Made before the first step, then changed.
-const UNDER: [(&str, Before, Change); 8] = [
+const UNDER: [(&str, Before, Change); 9] = [
     (
         "body and collider inserted",
         |_| None,
@@ -136,6 +136,17 @@ const UNDER: [(&str, Before, Change); 8] = [
             )
         },
         |w, _, c| w.colliders[c].set_enabled(true),
+    ),
+    (
+        "body enabled",
+        |w| {
+            let at = RigidBodyBuilder::fixed().translation(Vector::Y * -0.5);
+            Some(
+                w.insert(at.enabled(false), ColliderBuilder::cuboid(5.0, 0.5, 5.0))
+                    .1,
+            )
+        },
+        |w, b, _| w.bodies[b].set_enabled(true),
     ),
     (
         "sensor no more",
