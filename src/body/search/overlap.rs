@@ -2,28 +2,56 @@
 
 use super::tree::Bounds;
 use super::{Feature, Search};
-use crate::math::{DVec3, Pose, Real, narrow};
+use crate::math::{DVec3, Pose, Real, Vector, narrow};
 use rapier3d::parry::query::{DefaultQueryDispatcher, QueryDispatcher};
 use rapier3d::parry::shape::{Ball, Capsule, Segment, Shape, Triangle};
+
+/// The size below which a shape is blown up before parry is asked, whose tolerances are lengths \[m\].
+const SMALL: Real = 0.1;
+
+/// A shape at a pose, and how many times as large as it is all is taken.
+struct Blown<'a> {
+    shape: &'a dyn Shape,
+    pose: Pose,
+    by: Real,
+}
 
 impl Search<'_> {
     /// The features that a shape at `pose` about the body's origin touches, in the order of their indices. Nothing outside
     /// of `within` is looked at.
     pub fn touching(&self, pose: &Pose, shape: &dyn Shape, within: Bounds) -> Vec<Feature> {
+        let size = shape.compute_local_aabb().extents().max_element();
+        let by = if size > 0.0 && size < SMALL {
+            1.0 / size
+        } else {
+            1.0
+        };
+        let larger = (by > 1.0).then(|| shape.scale_dyn(Vector::splat(by), 0));
+        let larger = larger.flatten();
+        let mut blown = Blown {
+            shape,
+            pose: *pose,
+            by: 1.0,
+        };
+        if let Some(larger) = &larger {
+            (blown.shape, blown.by) = (&**larger, by);
+            blown.pose.translation *= by;
+        }
         let near = |bounds: Bounds| overlap(self.padded(bounds), within).is_some();
         let mut found: Vec<Feature> = self
             .tree
             .leaves(near)
             .filter_map(|leaf| self.feature(leaf))
-            .filter(|feature| self.touches(*feature, pose, shape))
+            .filter(|feature| self.touches(*feature, &blown))
             .collect();
         found.sort_unstable();
         found
     }
 
-    fn touches(&self, feature: Feature, pose: &Pose, shape: &dyn Shape) -> bool {
-        let [a, b, c] = self.corners(feature).map(narrow);
-        let radius = self.radius as Real;
+    fn touches(&self, feature: Feature, blown: &Blown) -> bool {
+        let Blown { shape, pose, by } = *blown;
+        let [a, b, c] = self.corners(feature).map(|corner| narrow(corner) * by);
+        let radius = self.radius as Real * by;
         let meets = |own_pose: Pose, own: &dyn Shape| {
             DefaultQueryDispatcher
                 .intersection_test(&pose.inv_mul(&own_pose), shape, own)
@@ -38,7 +66,7 @@ impl Search<'_> {
             Feature::Node(_) if radius > 0.0 => {
                 meets(Pose::from_translation(a), &Ball::new(radius))
             }
-            Feature::Node(_) => shape.contains_point(pose, a),
+            Feature::Node(_) => shape.contains_point(&pose, a),
         }
     }
 }

@@ -4,7 +4,7 @@ use super::brute::{ALL, Dice, apart, faces, shaken, winding};
 use crate::fixtures::cube;
 use crumple::math::DVec3;
 use crumple::prelude::*;
-use crumple::rapier3d::parry::shape::{Ball, Cuboid, HalfSpace};
+use crumple::rapier3d::parry::shape::{Ball, Capsule, Cone, Cuboid, Cylinder, HalfSpace};
 use crumple::rapier3d::prelude::*;
 
 #[test]
@@ -99,4 +99,42 @@ fn shapes_touch_faces_and_lie_inside() {
             assert!(!has || near(face) < maybe, "{at} {i}");
         }
     }
+}
+
+/// Symptom: a cylinder of 0.3 mm was told to touch a sheet across a gap of 0.1 mm: parry's tolerances are lengths. In millimetres
+/// and in metres shapes touch the same faces.
+#[test]
+fn shapes_touch_alike_at_every_size() {
+    let faces_of = |size: f32| {
+        let mut set = DeformableWorld::new();
+        let net = sheet(0.4 * size, 0.4 * size, 5, 5, 0.01 * size).unwrap();
+        let sheet = DeformableBuilder::new(net).material(Material::elastic(1e6, 1e3));
+        set.insert(sheet).unwrap();
+        let mut dice = Dice(5);
+        let mut found = Vec::new();
+        for _ in 0..400 {
+            let (at, turn) = (dice.vector(0.3) * size, dice.vector(3.0));
+            let pose = Pose::new(at, turn);
+            let shapes: [&dyn Shape; 3] = [
+                &Cylinder::new(0.12 * size, 0.1 * size),
+                &Capsule::new_y(0.12 * size, 0.1 * size),
+                &Cone::new(0.12 * size, 0.1 * size),
+            ];
+            let touched = shapes.map(|shape| {
+                let found = set.intersect_shape(&pose, shape, ALL).pop();
+                found.map_or(0, |f| f.features.len())
+            });
+            found.push(touched);
+        }
+        found
+    };
+    let (large, small) = (faces_of(1.0), faces_of(1e-3));
+    let touching = large.iter().flatten().filter(|n| **n > 0).count();
+    assert!((100..1100).contains(&touching), "{touching}");
+    // Which are just touched is a matter of rounding.
+    let pairs = || large.iter().zip(&small);
+    let others = pairs().filter(|(l, s)| l != s).count();
+    let wrong = pairs().filter(|(l, s)| (0..3).any(|k| (l[k] == 0) != (s[k] == 0)));
+    assert!(others <= 4, "{others}");
+    assert_eq!(wrong.count(), 0);
 }
