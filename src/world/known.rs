@@ -5,12 +5,27 @@ use super::reach::true_pose;
 use crate::contact::form::address;
 use crate::contact::target::is_on;
 use crate::math::Pose;
-use rapier3d::geometry::{Aabb, Collider, ColliderHandle, Shape, ShapeType, SharedShape};
+use rapier3d::dynamics::RigidBodyType;
+use rapier3d::geometry::{
+    Aabb, Collider, ColliderHandle, InteractionGroups, Shape, ShapeType, SharedShape,
+};
 use std::sync::{Arc, Weak};
 
 /// What the BVH knew of a collider at its last update: generation, enabled, local bounds, and the pose of one without a
-/// body.
-type Description = (u32, bool, Aabb, Option<Pose>);
+/// body. And what else of it Rapier looks at only in its step.
+type Description = (u32, bool, Aabb, Option<Pose>, Manners);
+
+/// How a collider meets others: its groups, whether it is a sensor, its body, what that is, and what it dominates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde-serialize",
+    derive(serde::Serialize, serde::Deserialize)
+)]
+struct Manners {
+    groups: [InteractionGroups; 2],
+    is_sensor: bool,
+    body: Option<((u32, u32), RigidBodyType, i16)>,
+}
 
 /// What it knew of each collider, by slot.
 #[derive(Clone, Debug, Default)]
@@ -91,6 +106,14 @@ impl Boxes {
             is_on(collider, body),
             self.of(index as usize, collider.shared_shape()),
             collider.parent().is_none().then(|| *collider.position()),
+            Manners {
+                groups: [collider.collision_groups(), collider.solver_groups()],
+                is_sensor: collider.is_sensor(),
+                body: collider.parent().zip(body).map(|(handle, body)| {
+                    let dominance = body.effective_dominance_group();
+                    (handle.into_raw_parts(), body.body_type(), dominance)
+                }),
+            },
         )
     }
 

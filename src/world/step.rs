@@ -52,7 +52,7 @@ impl DeformableWorld {
         self.report.rigid_steps = 1;
         self.wake_on_new_gravity(&mut RapierParts::from(&mut *world));
         if dt > 0.0 {
-            self.wake_unmoored(&mut RapierParts::from(&mut *world));
+            self.wake_unmoored(&mut RapierParts::from(&mut *world), dt);
             self.wake_struck(&mut RapierParts::from(&mut *world), dt);
         }
         self.wake_islands(&RapierParts::from(&mut *world), dt);
@@ -102,7 +102,7 @@ impl DeformableWorld {
         if self.takes(dt, parts.gravity) && dt > 0.0 {
             self.settle(parts, observer);
             self.wake_on_new_gravity(parts);
-            self.wake_unmoored(parts);
+            self.wake_unmoored(parts, dt);
             self.wake_struck(parts, dt);
             self.wake_islands(parts, dt);
             self.begin_touches();
@@ -307,7 +307,7 @@ impl DeformableWorld {
             body.end_frame();
         }
         self.fall_asleep(parts, dt);
-        self.moorings.note(parts);
+        self.note_moorings(parts, dt);
     }
 }
 

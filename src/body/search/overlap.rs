@@ -4,7 +4,7 @@ use super::tree::Bounds;
 use super::{Feature, Search};
 use crate::math::{DVec3, Pose, Real, Vector, narrow};
 use rapier3d::parry::query::{DefaultQueryDispatcher, QueryDispatcher};
-use rapier3d::parry::shape::{Ball, Capsule, Segment, Shape, Triangle};
+use rapier3d::parry::shape::{Ball, Capsule, Segment, Shape, ShapeType, Triangle};
 
 /// The size below which a shape is blown up before parry is asked, whose tolerances are lengths \[m\].
 const SMALL: Real = 0.1;
@@ -21,7 +21,7 @@ impl Search<'_> {
     /// of `within` is looked at.
     pub fn touching(&self, pose: &Pose, shape: &dyn Shape, within: Bounds) -> Vec<Feature> {
         let size = shape.compute_local_aabb().extents().max_element();
-        let by = if size > 0.0 && size < SMALL {
+        let by = if size > 0.0 && size < SMALL && grows(shape) {
             1.0 / size
         } else {
             1.0
@@ -69,6 +69,15 @@ impl Search<'_> {
             Feature::Node(_) => shape.contains_point(&pose, a),
         }
     }
+}
+
+/// Whether parry makes it larger as a whole: shapes with a border keep that as it is.
+fn grows(shape: &dyn Shape) -> bool {
+    use ShapeType::{Ball, Capsule, Cone, ConvexPolyhedron, Cuboid, Cylinder, Segment, Triangle};
+    matches!(
+        shape.shape_type(),
+        Ball | Capsule | Cone | ConvexPolyhedron | Cuboid | Cylinder | Segment | Triangle
+    )
 }
 
 /// What two boxes share.

@@ -1,6 +1,6 @@
 //! An edge against an edge: where they cross, how deep, and which way is out.
 //!
-//! Only edges that stand out count, and only where both are crossed inside and the normal is one that both can have: on
+//! Only pairs count of which one stands out, and only where both are crossed inside and the normal is one that both can have: of
 //! flat and hollow parts the nodes meet faces, and at the ends of edges nodes meet edges.
 
 use super::outline::NONE;
@@ -57,6 +57,37 @@ impl Ridge {
     }
 }
 
+/// What an edge can meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Nothing.
+    Hollow,
+    /// What stands out.
+    Flat,
+    /// All but what is hollow.
+    Sharp,
+}
+
+impl Kind {
+    /// That of an edge.
+    pub fn of(ridge: Option<&Ridge>) -> Self {
+        match ridge {
+            None => Self::Hollow,
+            Some(ridge) if ridge.is_sharp => Self::Sharp,
+            Some(_) => Self::Flat,
+        }
+    }
+
+    /// Whether edges of these kinds meet.
+    pub fn meets(self, other: Self) -> bool {
+        use Kind::{Flat, Sharp};
+        matches!(
+            (self, other),
+            (Sharp, Sharp) | (Sharp, Flat) | (Flat, Sharp)
+        )
+    }
+}
+
 fn flanks(body: &Posed, edge: u32) -> [DVec3; 2] {
     let e = &body.outline.edges[edge as usize];
     let [a, b] = body.ends(edge);
@@ -93,7 +124,7 @@ pub fn face_across(body: &Posed, edge: u32, normal: DVec3) -> Option<(u32, [DVec
     (cosine > STEEP).then_some((third, corners))
 }
 
-/// Where edge `edges[0]` of the first body and `edges[1]` of the second cross, if they do: they come nearest at `along` of
+/// Where, of kinds that meet, edge `edges[0]` of the first body and `edges[1]` of the second cross, if they do: they come nearest at `along` of
 /// each. `ridge` is how the first lies; `last` is the normal they had last.
 pub fn crossing(
     bodies: [&Posed; 2],
@@ -105,9 +136,6 @@ pub fn crossing(
     let (a, b) = (bodies[0].ends(edges[0]), bodies[1].ends(edges[1]));
     let way = a[0].lerp(a[1], along[0]) - b[0].lerp(b[1], along[1]);
     let other = Ridge::of(bodies[1], edges[1])?;
-    if !ridge.is_sharp && !other.is_sharp {
-        return None;
-    }
     let across = (a[1] - a[0]).cross(b[1] - b[0]).normalize();
     let out_of = |k: usize| {
         if bodies[k].outline.closed {

@@ -19,6 +19,7 @@ pub mod search;
 pub mod touch;
 
 use crate::solve::rows::Rows;
+use edge::Kind;
 use manners::Manners;
 use near::Near;
 use touch::Touches;
@@ -49,6 +50,9 @@ pub struct Encounter {
     way: f64,
     node_touches: [Touches; 2],
     edge_touches: Touches,
+    /// Kinds of the edges of the second that have been asked for in a substep.
+    #[cfg_attr(feature = "serde-serialize", serde(skip))]
+    kinds: Vec<Option<Kind>>,
     /// How much farther inside than the way of a substep something can be that did not touch \[m\]: what was done to the
     /// bodies since the last substep, without bound while nothing is known of them.
     unseen: f64,
@@ -70,6 +74,7 @@ impl Encounter {
             way: 0.0,
             node_touches: Default::default(),
             edge_touches: Touches::default(),
+            kinds: Vec::new(),
             unseen: f64::MAX,
             edits: [0; 2],
         }

@@ -1,7 +1,7 @@
 //! The rows of an encounter.
 
 use super::Encounter;
-use super::edge;
+use super::edge::{self, Kind, Ridge};
 use super::levers;
 use super::near::{Near, of_the_same};
 use super::node::{Found, Query};
@@ -78,9 +78,12 @@ impl Encounter {
         }
         let mut touches = std::mem::take(&mut self.edge_touches);
         let mut list = std::mem::take(&mut self.edges);
+        let mut kinds = std::mem::take(&mut self.kinds);
         touches.begin(rows);
-        self.add_edge_rows((&mut touches, &mut list), bodies, rows, reach);
-        (self.edge_touches, self.edges) = (touches, list);
+        kinds.clear();
+        kinds.resize(bodies.posed[1].outline.edges.len(), None);
+        self.add_edge_rows((&mut touches, &mut list), &mut kinds, bodies, rows, reach);
+        (self.edge_touches, self.edges, self.kinds) = (touches, list, kinds);
     }
 
     /// Rows of the nodes of body `own` on the elements of the other.
@@ -174,6 +177,7 @@ impl Encounter {
     fn add_edge_rows(
         &self,
         (touches, mut rest): (&mut Touches, &mut [Near]),
+        kinds: &mut [Option<Kind>],
         bodies: &mut Bodies,
         rows: &mut Rows,
         reach: Reach,
@@ -192,15 +196,23 @@ impl Encounter {
             if a.outline.is_broken(edge, a.state) {
                 continue;
             }
-            let Some(ridge) = edge::Ridge::of(&a, edge) else {
+            let Some(ridge) = Ridge::of(&a, edge) else {
                 continue;
             };
+            let kind = Kind::of(Some(&ridge));
             let ends = a.ends(edge);
             for near in near {
                 let other = near.other;
                 let known = touches.of(edge, &mut from).iter();
                 let last = known.copied().find(|t| t.other == other);
-                if last.is_none() && is_beyond(near) || b.outline.is_broken(other, b.state) {
+                if last.is_none() && is_beyond(near) {
+                    continue;
+                }
+                // Most edges of a solid are flat.
+                let of_other = &mut kinds[other as usize];
+                let of_other =
+                    of_other.get_or_insert_with(|| Kind::of(Ridge::of(&b, other).as_ref()));
+                if !kind.meets(*of_other) || b.outline.is_broken(other, b.state) {
                     continue;
                 }
                 let (distance, along) = between_segments(ends, b.ends(other));
