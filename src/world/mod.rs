@@ -165,6 +165,7 @@ pub struct DeformableWorld {
     courses: kinematic::Courses,
     /// What Rapier's BVH knows.
     known: known::Known,
+    /// What joined rigid bodies at the end of the last step.
     moorings: sleep::Moorings,
     /// Who touches whom.
     touches: BTreeMap<touch::TouchKey, touch::Touch>,
