@@ -344,8 +344,14 @@ fn stacks_10_to_19() {
     all_of(STACKS, 10..20);
 }
 
+/// They gained 1.1 to 2.6 %: a blow drove what lay on them millimetres in, which was lifted out again.
 #[test]
-#[ignore = "long: many minutes; 257 and 269 gain 1.1 and 2.7 %"]
+fn stacks_that_are_struck() {
+    all_of(STACKS, [66, 174, 257, 269]);
+}
+
+#[test]
+#[ignore = "long: many minutes"]
 fn five_hundred_stacks() {
     all_of(STACKS, 0..500);
 }
