@@ -11,19 +11,22 @@ use rapier3d::geometry::{
 };
 use std::sync::{Arc, Weak};
 
-/// What the BVH knew of a collider at its last update: generation, enabled, local bounds, and the pose of one without a
-/// body. And what else of it Rapier looks at only in its step.
-type Description = (u32, bool, Aabb, Option<Pose>, Manners);
-
-/// How a collider meets others: its groups, whether it is a sensor, its body, what that is, and what it dominates.
+/// What the BVH knew of a collider at its last update, and what else of it Rapier looks at only within its step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde-serialize",
     derive(serde::Serialize, serde::Deserialize)
 )]
-struct Manners {
+struct Description {
+    generation: u32,
+    enabled: bool,
+    /// In its own frame.
+    bounds: Aabb,
+    /// Of one without a body.
+    pose: Option<Pose>,
     groups: [InteractionGroups; 2],
     is_sensor: bool,
+    /// Its body, what that is, and what it dominates.
     body: Option<((u32, u32), RigidBodyType, i16)>,
 }
 
@@ -56,19 +59,31 @@ impl Known {
         strays
     }
 
-    /// Whether it has known a collider.
-    pub fn knows(&self, handle: ColliderHandle) -> bool {
-        let (index, generation) = handle.into_raw_parts();
-        let last = self.colliders.get(index as usize);
-        last.is_some_and(|last| last.is_some_and(|(last, ..)| last == generation))
+    /// The colliders that have gone or are not as they were known, those that are new left out, and Rapier's own soft bodies,
+    /// which change by themselves.
+    pub fn changed(&mut self, parts: &RapierParts) -> Vec<ColliderHandle> {
+        let mut changed = self.strays(parts);
+        let is_soft = |c: &Collider| c.deformable_mesh_ref().is_some();
+        changed.retain(|handle| {
+            self.knows(*handle) && !parts.colliders.get(*handle).is_some_and(is_soft)
+        });
+        changed.extend(self.gone(parts));
+        changed
     }
 
-    /// The colliders that it knows and that are not there any more.
-    pub fn gone(&self, parts: &RapierParts) -> impl Iterator<Item = ColliderHandle> {
+    fn knows(&self, handle: ColliderHandle) -> bool {
+        let (index, generation) = handle.into_raw_parts();
+        let last = self.colliders.get(index as usize).copied().flatten();
+        last.is_some_and(|last| last.generation == generation)
+    }
+
+    fn gone(&self, parts: &RapierParts) -> impl Iterator<Item = ColliderHandle> {
         let known = (0..).zip(&self.colliders);
         let known = known.filter_map(|(index, last)| {
-            let (generation, ..) = (*last)?;
-            Some(ColliderHandle::from_raw_parts(index, generation))
+            Some(ColliderHandle::from_raw_parts(
+                index,
+                last.as_ref()?.generation,
+            ))
         });
         known.filter(|handle| !parts.colliders.contains(*handle))
     }
@@ -101,20 +116,18 @@ impl Boxes {
     ) -> Description {
         let body = collider.parent().and_then(|b| parts.bodies.get(b));
         let (index, generation) = handle.into_raw_parts();
-        (
+        Description {
             generation,
-            is_on(collider, body),
-            self.of(index as usize, collider.shared_shape()),
-            collider.parent().is_none().then(|| *collider.position()),
-            Manners {
-                groups: [collider.collision_groups(), collider.solver_groups()],
-                is_sensor: collider.is_sensor(),
-                body: collider.parent().zip(body).map(|(handle, body)| {
-                    let dominance = body.effective_dominance_group();
-                    (handle.into_raw_parts(), body.body_type(), dominance)
-                }),
-            },
-        )
+            enabled: is_on(collider, body),
+            bounds: self.of(index as usize, collider.shared_shape()),
+            pose: collider.parent().is_none().then(|| *collider.position()),
+            groups: [collider.collision_groups(), collider.solver_groups()],
+            is_sensor: collider.is_sensor(),
+            body: collider.parent().zip(body).map(|(handle, body)| {
+                let dominance = body.effective_dominance_group();
+                (handle.into_raw_parts(), body.body_type(), dominance)
+            }),
+        }
     }
 
     fn of(&mut self, slot: usize, shape: &SharedShape) -> Aabb {

@@ -54,6 +54,10 @@ impl RapierParts<'_> {
         body.filter(|b| b.is_dynamic() && b.is_enabled())
     }
 
+    pub(super) fn is_asleep(&self, handle: RigidBodyHandle) -> bool {
+        self.moving(handle).is_some_and(RigidBody::is_sleeping)
+    }
+
     /// The joints of a body, with the bodies at their ends.
     pub(super) fn joints_of(
         &self,

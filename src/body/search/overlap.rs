@@ -21,22 +21,22 @@ impl Search<'_> {
     /// of `within` is looked at.
     pub fn touching(&self, pose: &Pose, shape: &dyn Shape, within: Bounds) -> Vec<Feature> {
         let size = shape.compute_local_aabb().extents().max_element();
-        let by = if size > 0.0 && size < SMALL && grows(shape) {
-            1.0 / size
-        } else {
-            1.0
-        };
-        let larger = (by > 1.0).then(|| shape.scale_dyn(Vector::splat(by), 0));
+        let by = 1.0 / size;
+        let is_small = size > 0.0 && size < SMALL && grows(shape);
+        let larger = is_small.then(|| shape.scale_dyn(Vector::splat(by), 0));
         let larger = larger.flatten();
-        let mut blown = Blown {
-            shape,
-            pose: *pose,
-            by: 1.0,
+        let blown = match &larger {
+            None => Blown {
+                shape,
+                pose: *pose,
+                by: 1.0,
+            },
+            Some(larger) => Blown {
+                shape: &**larger,
+                pose: Pose::from_parts(pose.translation * by, pose.rotation),
+                by,
+            },
         };
-        if let Some(larger) = &larger {
-            (blown.shape, blown.by) = (&**larger, by);
-            blown.pose.translation *= by;
-        }
         let near = |bounds: Bounds| overlap(self.padded(bounds), within).is_some();
         let mut found: Vec<Feature> = self
             .tree

@@ -29,55 +29,17 @@ pub struct Crossing {
 }
 
 /// How an edge lies in its surface.
-pub struct Ridge {
-    /// The directions from it into its faces, square to it, zero for none.
-    pub flanks: [DVec3; 2],
-    /// Whether it stands out, and is not flat.
-    pub is_sharp: bool,
-}
-
-impl Ridge {
-    /// That of an edge; `None` for a hollow one of a solid, which meets nothing.
-    pub fn of(body: &Posed, edge: u32) -> Option<Self> {
-        let flanks = flanks(body, edge);
-        let inwards = flanks[0] + flanks[1];
-        let is_border = flanks.contains(&DVec3::ZERO);
-        let is_sharp = is_border || inwards.length_squared() >= FLAT * FLAT;
-        let is_hollow = || body.outline.closed && inwards.dot(body.edge_normal(edge)) > 0.0;
-        (is_border || !is_sharp || !is_hollow()).then_some(Self { flanks, is_sharp })
-    }
-
-    /// Whether it can push along a unit `way`; a flat one does across its faces alone.
-    fn can_push(&self, way: DVec3, touched: bool) -> bool {
-        if self.is_sharp {
-            can_push(self.flanks, way, touched)
-        } else {
-            self.flanks.iter().all(|f| f.dot(way) <= FLAT)
-        }
-    }
-}
-
-/// What an edge can meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Nothing.
+    /// It looks into a solid, and meets nothing.
     Hollow,
-    /// What stands out.
+    /// Its faces hardly bend: it meets what stands out.
     Flat,
-    /// All but what is hollow.
+    /// It stands out, and meets all but what is hollow.
     Sharp,
 }
 
 impl Kind {
-    /// That of an edge.
-    pub fn of(ridge: Option<&Ridge>) -> Self {
-        match ridge {
-            None => Self::Hollow,
-            Some(ridge) if ridge.is_sharp => Self::Sharp,
-            Some(_) => Self::Flat,
-        }
-    }
-
     /// Whether edges of these kinds meet.
     pub fn meets(self, other: Self) -> bool {
         use Kind::{Flat, Sharp};
@@ -85,6 +47,42 @@ impl Kind {
             (self, other),
             (Sharp, Sharp) | (Sharp, Flat) | (Flat, Sharp)
         )
+    }
+}
+
+/// An edge between its faces.
+pub struct Ridge {
+    /// The directions from it into its faces, square to it, zero for none.
+    pub flanks: [DVec3; 2],
+    /// How it lies between them.
+    pub kind: Kind,
+}
+
+impl Ridge {
+    /// That of an edge.
+    pub fn of(body: &Posed, edge: u32) -> Self {
+        let flanks = flanks(body, edge);
+        let inwards = flanks[0] + flanks[1];
+        let is_hollow = || body.outline.closed && inwards.dot(body.edge_normal(edge)) > 0.0;
+        let kind = if flanks.contains(&DVec3::ZERO) {
+            Kind::Sharp
+        } else if inwards.length_squared() < FLAT * FLAT {
+            Kind::Flat
+        } else if is_hollow() {
+            Kind::Hollow
+        } else {
+            Kind::Sharp
+        };
+        Self { flanks, kind }
+    }
+
+    /// Whether it can push along a unit `way`; a flat one does across its faces alone.
+    fn can_push(&self, way: DVec3, touched: bool) -> bool {
+        if self.kind == Kind::Flat {
+            self.flanks.iter().all(|f| f.dot(way) <= FLAT)
+        } else {
+            can_push(self.flanks, way, touched)
+        }
     }
 }
 
@@ -124,8 +122,8 @@ pub fn face_across(body: &Posed, edge: u32, normal: DVec3) -> Option<(u32, [DVec
     (cosine > STEEP).then_some((third, corners))
 }
 
-/// Where, of kinds that meet, edge `edges[0]` of the first body and `edges[1]` of the second cross, if they do: they come nearest at `along` of
-/// each. `ridge` is how the first lies; `last` is the normal they had last.
+/// Where edge `edges[0]` of the first body and `edges[1]` of the second, whose kinds meet, cross, if they do: they come nearest at
+/// `along` of each. `ridge` is how the first lies; `last` is the normal they had last.
 pub fn crossing(
     bodies: [&Posed; 2],
     edges: [u32; 2],
@@ -135,7 +133,7 @@ pub fn crossing(
 ) -> Option<Crossing> {
     let (a, b) = (bodies[0].ends(edges[0]), bodies[1].ends(edges[1]));
     let way = a[0].lerp(a[1], along[0]) - b[0].lerp(b[1], along[1]);
-    let other = Ridge::of(bodies[1], edges[1])?;
+    let other = Ridge::of(bodies[1], edges[1]);
     let across = (a[1] - a[0]).cross(b[1] - b[0]).normalize();
     let out_of = |k: usize| {
         if bodies[k].outline.closed {

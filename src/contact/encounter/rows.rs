@@ -196,10 +196,10 @@ impl Encounter {
             if a.outline.is_broken(edge, a.state) {
                 continue;
             }
-            let Some(ridge) = Ridge::of(&a, edge) else {
+            let ridge = Ridge::of(&a, edge);
+            if ridge.kind == Kind::Hollow {
                 continue;
-            };
-            let kind = Kind::of(Some(&ridge));
+            }
             let ends = a.ends(edge);
             for near in near {
                 let other = near.other;
@@ -208,11 +208,10 @@ impl Encounter {
                 if last.is_none() && is_beyond(near) {
                     continue;
                 }
-                // Most edges of a solid are flat.
-                let of_other = &mut kinds[other as usize];
-                let of_other =
-                    of_other.get_or_insert_with(|| Kind::of(Ridge::of(&b, other).as_ref()));
-                if !kind.meets(*of_other) || b.outline.is_broken(other, b.state) {
+                // Asked before how far they are apart: most edges of a solid are flat.
+                let kind = &mut kinds[other as usize];
+                let kind = *kind.get_or_insert_with(|| Ridge::of(&b, other).kind);
+                if !ridge.kind.meets(kind) || b.outline.is_broken(other, b.state) {
                     continue;
                 }
                 let (distance, along) = between_segments(ends, b.ends(other));

@@ -13,7 +13,7 @@ mod tests;
 
 use super::observe::{self, Surroundings};
 use crate::math::DVec3;
-pub use joints::{RigidJoint, is_soft};
+pub use joints::{JointKey, RigidJoint, is_soft};
 use rapier3d::dynamics::{RigidBodyHandle, SpringCoefficients};
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -178,7 +178,7 @@ pub(super) struct Pass<'a> {
 
 impl Pass<'_> {
     /// Passes over the rows until one changes nothing, `passes` at most, or so many times as many where rows hang together or
-    /// something sinks in faster than `sinks` m/s. After a blow none of them is rested. Where shadows press on each other a pass can
+    /// something sinks in faster than `sinks` m/s. After a blow none of them is rested, and there are more, see [`STRUCK`]. Where shadows press on each other a pass can
     /// change little and be far from the end, see [`super::stand`].
     fn converge(
         &mut self,

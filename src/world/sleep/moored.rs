@@ -4,25 +4,22 @@
 //! it has been told to wake is its own secret until then. So they are found by what is not there any more as it was: of colliders all
 //! that Rapier wakes, of joints what may reach a deformable, as these can be changed without waking anybody.
 
-use crate::math::{Pose, Vector};
-use crate::world::RapierParts;
+use crate::coupling::constraints::JointKey;
+use crate::math::Pose;
 use crate::world::group::{BodyKey, handle_of};
 use crate::world::reach::grown;
-use crate::world::{DeformableWorld, known::Known};
+use crate::world::{DeformableWorld, RapierParts};
 use rapier3d::dynamics::{
     GenericJoint, ImpulseJoint, ImpulseJointHandle, Multibody, MultibodyJointHandle, MultibodyLink,
     RigidBodyHandle, RigidBodyType,
 };
-use rapier3d::geometry::{Aabb, Collider, ColliderHandle};
+use rapier3d::geometry::Aabb;
 use rapier3d::parry::bounding_volume::BoundingVolume;
 use std::cell::LazyCell;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// How fast a body may be driven from rest and meet a deformable within a step, in length units per second.
 const DRIVEN: f64 = 20.0;
-
-/// Whether a joint is one of a multibody, and its handle.
-type JointKey = (bool, (u32, u32));
 
 /// The joints of a world as they were at the end of its last step.
 #[derive(Clone, Debug, Default)]
@@ -45,16 +42,16 @@ pub(in crate::world) struct Moorings {
 )]
 struct Mooring {
     bodies: [BodyKey; 2],
-    /// All but the impulses; joints of multibodies wake nobody by what they are.
+    /// What counts of it; joints of multibodies wake nobody by what they are.
     joint: Option<Box<GenericJoint>>,
     /// What the bodies are, and where fixed ones stand.
     ends: [Option<(RigidBodyType, Option<Pose>)>; 2],
 }
 
-/// A joint of either kind, and the bodies that it joins.
-type AnyJoint<'a> = (JointKey, [RigidBodyHandle; 2], Option<&'a ImpulseJoint>);
+/// A joint, the bodies that it joins, and what it is if it is none of a multibody.
+type Joined<'a> = (JointKey, [RigidBodyHandle; 2], Option<&'a ImpulseJoint>);
 
-fn all<'a>(parts: &'a RapierParts) -> impl Iterator<Item = AnyJoint<'a>> {
+fn all<'a>(parts: &'a RapierParts) -> impl Iterator<Item = Joined<'a>> {
     let joints = parts.impulse_joints.iter().map(|(handle, joint)| {
         let bodies = [joint.body1(), joint.body2()];
         ((false, handle.into_raw_parts()), bodies, Some(joint))
@@ -129,7 +126,7 @@ impl Moorings {
             last != Some(&Some(generation))
         };
         let new = all(parts).filter(|(key, bodies, _)| {
-            is_new(*key) && bodies.iter().any(|b| is_asleep(*b, parts) && is_near(*b))
+            is_new(*key) && bodies.iter().any(|b| parts.is_asleep(*b) && is_near(*b))
         });
         let new = new.flat_map(|(_, bodies, _)| bodies.map(RigidBodyHandle::into_raw_parts));
         others.chain(new).collect()
@@ -145,29 +142,11 @@ impl Moorings {
             let (slots, index) = (&mut known[usize::from(reduced)], index as usize);
             slots.resize(slots.len().max(index + 1), None);
             slots[index] = Some(generation);
-            if bodies.iter().any(|b| is_asleep(*b, parts) && is_near(*b)) {
+            if bodies.iter().any(|b| parts.is_asleep(*b) && is_near(*b)) {
                 self.held.insert(key, Mooring::of(bodies, joint, parts));
             }
         }
         self.known = Some(known);
-    }
-}
-
-fn is_asleep(body: RigidBodyHandle, parts: &RapierParts) -> bool {
-    parts.moving(body).is_some_and(|body| body.is_sleeping())
-}
-
-impl Known {
-    /// The colliders that have gone or are not as they were known, those that are new left out, and Rapier's own soft bodies, which
-    /// change by themselves.
-    fn changed(&mut self, parts: &RapierParts) -> Vec<ColliderHandle> {
-        let mut changed = self.strays(parts);
-        let is_soft = |c: &Collider| c.deformable_mesh_ref().is_some();
-        changed.retain(|handle| {
-            self.knows(*handle) && !parts.colliders.get(*handle).is_some_and(is_soft)
-        });
-        changed.extend(self.gone(parts));
-        changed
     }
 }
 
@@ -190,7 +169,7 @@ impl DeformableWorld {
             wake.extend(bodies.map(RigidBodyHandle::into_raw_parts));
         }
         for body in wake.into_iter().map(handle_of) {
-            if is_asleep(body, parts) {
+            if parts.is_asleep(body) {
                 parts.islands.wake_up(parts.bodies, body, true);
             }
         }
@@ -202,19 +181,16 @@ impl DeformableWorld {
         if self.iter().any(|(_, body)| body.is_enabled()) {
             let around = LazyCell::new(|| self.around(parts, dt));
             moorings.note(parts, |body| is_near(body, *around, parts));
-        } else {
-            moorings = Moorings::default();
+            self.moorings = moorings;
         }
-        self.moorings = moorings;
     }
 
     /// What of the world may meet a deformable within `dt` s.
     fn around(&self, parts: &RapierParts, dt: f64) -> Aabb {
         let bodies = self.iter().filter(|(_, body)| body.is_enabled());
         let boxes = bodies.map(|(_, body)| body.box_within(0.0));
-        let all = boxes.reduce(|a, b| a.merged(&b));
-        let none = || Aabb::new(Vector::MAX, Vector::MIN);
-        grown(&all.unwrap_or_else(none), DRIVEN * parts.length_unit() * dt)
+        let all = boxes.fold(Aabb::new_invalid(), |all, own| all.merged(&own));
+        grown(&all, DRIVEN * parts.length_unit() * dt)
     }
 }
 

@@ -28,7 +28,7 @@ impl DeformableWorld {
         let held = self.attachments.iter().filter_map(|(_, bond)| bond.body());
         let known = self.memory.keys();
         let known = known.copied().map(handle_of);
-        let sleeps = |h: &RigidBodyHandle| parts.moving(*h).is_some_and(RigidBody::is_sleeping);
+        let sleeps = |h: &RigidBodyHandle| parts.is_asleep(*h);
         let beside: BTreeSet<_> = held
             .chain(known)
             .filter(sleeps)
@@ -193,7 +193,7 @@ fn asleep_together(parts: &RapierParts, body: BodyKey) -> BTreeSet<BodyKey> {
     let mut next = vec![handle_of(body)];
     while let Some(handle) = next.pop() {
         for other in parts.bound_to(handle) {
-            let asleep = parts.moving(other).is_some_and(RigidBody::is_sleeping);
+            let asleep = parts.is_asleep(other);
             if asleep && found.insert(other.into_raw_parts()) {
                 next.push(other);
             }
