@@ -1,5 +1,5 @@
 //! How many instructions a substep takes, counted by valgrind's callgrind and held against `tests/instructions.csv` within 5 %:
-//! times on a busy machine say nothing, counts hardly change.
+//! times on a busy machine say nothing, counts hardly change. And whether the kernels for AVX-512 are one piece.
 //!
 //! Valgrind 3.19 has no AVX-512, so the kernels for AVX2 and the portable ones are guarded. Counts belong to one compiler: with
 //! another, without valgrind, and in a build without optimisation nothing is checked, and that is said. To renew them:
@@ -139,6 +139,26 @@ fn check(case: &Case, counts: &BTreeMap<String, f64>) -> Result<(), Failed> {
     .into())
 }
 
+/// What the compiler does not inline into a kernel (closures above all) loses the processor's wider instructions: each intrinsic
+/// in it becomes a function of a few instructions, whose name is then in the program, and whose arguments go through memory.
+fn no_intrinsic_is_called() -> Result<(), Failed> {
+    let program = std::fs::read(std::env::current_exe()?)?;
+    // Not in one piece here, or it would be found in this very program.
+    let name = [b"avx512f".as_slice(), b"__mm512_"];
+    let length = |at: &[u8]| at.iter().take_while(|c| c.is_ascii_digit()).count();
+    let called = program
+        .windows(name[0].len())
+        .enumerate()
+        .find(|(at, found)| {
+            let rest = &program[at + found.len()..];
+            *found == name[0] && rest[length(rest)..].starts_with(name[1])
+        });
+    called.map_or(Ok(()), |(at, _)| {
+        let name = program[at..].split(|c| *c == 0).next().unwrap_or_default();
+        Err(format!("{} is called", String::from_utf8_lossy(name)).into())
+    })
+}
+
 fn main() -> ExitCode {
     let asked: Vec<String> = std::env::args().skip(1).collect();
     if let [how, name, substeps] = &asked[..]
@@ -161,10 +181,16 @@ fn main() -> ExitCode {
         println!("instructions are not counted: {why}");
     }
     let counts = Arc::new(counts);
-    let trials = cases().into_iter().map(|case| {
+    let whole = Trial::test(
+        "instructions::no_intrinsic_is_called",
+        no_intrinsic_is_called,
+    );
+    let counted = cases().into_iter().map(|case| {
         let counts = counts.clone();
         let name = format!("instructions::{}", case.name.replace(' ', "_"));
-        Trial::test(name, move || check(&case, &counts)).with_ignored_flag(obstacle.is_some())
+        Trial::test(name, move || check(&case, &counts))
     });
+    let trials = counted.chain([whole]);
+    let trials = trials.map(|t| t.with_ignored_flag(obstacle.is_some()));
     libtest_mimic::run(&arguments, trials.collect()).exit_code()
 }

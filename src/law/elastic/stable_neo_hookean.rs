@@ -4,6 +4,7 @@ use super::majorant::{Majorant, of_volume};
 use super::tensor::{Mat, add_scaled, cofactor, cofactor_differential, contract, det, scale};
 use super::{Elastic, Lame};
 use crate::math::Number;
+use std::f64::consts::LN_2;
 
 /// W = m/2(I₁ − 3) + l/2(J − α)² − m/2·ln(I₁ + 1) less its value at rest, with m = 4μ/3, l = λ + 5μ/6 and
 /// α = 1 + 3m/(4l) (their equations 13 to 16): stable at rest, finite for every F.
@@ -21,6 +22,7 @@ pub struct StableNeoHookean<S> {
 
 impl<S: Number> StableNeoHookean<S> {
     /// With the Lamé constants of the linear solid it is at small strains.
+    #[inline(always)]
     pub fn new(lame: Lame<S>) -> Self {
         let shear = S::of(4.0 / 3.0) * lame.mu;
         let volume = lame.lambda + S::of(5.0 / 6.0) * lame.mu;
@@ -30,7 +32,7 @@ impl<S: Number> StableNeoHookean<S> {
             shear,
             volume,
             shift,
-            at_rest: half * volume * shift * shift - half * shear * S::of(4.0).ln(),
+            at_rest: half * volume * shift * shift - half * shear * S::of(2.0 * LN_2),
         }
     }
 }

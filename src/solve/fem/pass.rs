@@ -5,10 +5,10 @@
 //! element's forces are added in the order of elements, so all widths give the same bits.
 
 use super::blocks::{Batch, Blocks};
-use super::elements::{Basis, Element, Elements};
+use super::elements::{Basis, Element, Elements, Point};
 use crate::law::elastic::tensor::{Mat, contract, mul, mul_transpose, scale, zero};
 use crate::law::elastic::{Elastic, Viscous};
-use crate::math::{Packed, Scalar};
+use crate::math::{Number, Packed, Scalar};
 use std::ops::Range;
 
 /// Where a pass finds positions and velocities, and where its forces go.
@@ -59,10 +59,9 @@ pub(crate) fn add_forces<S, V, B, L, const N: usize, const G: usize, const DAMPE
         for g in 0..G {
             let point = blocks.point::<V>(at, g);
             let f = mul(&x[g], &point.inverse);
-            let of = |stress: Mat<V>| scale(&mul_transpose(&stress, &point.inverse), point.volume);
-            elastic[g] = of(law.stress(&f));
+            elastic[g] = at_corners(&point, &law.stress(&f));
             if DAMPED {
-                damping[g] = of(viscous.stress(&f, &mul(&v[g], &point.inverse)));
+                damping[g] = at_corners(&point, &viscous.stress(&f, &mul(&v[g], &point.inverse)));
             }
         }
         let elastic = B::collect(&elastic);
@@ -72,6 +71,13 @@ pub(crate) fn add_forces<S, V, B, L, const N: usize, const G: usize, const DAMPE
         }
         field.take::<B, N, G, DAMPED>(blocks, at, &elastic, &resistance);
     }
+}
+
+/// What a stress \[Pa\] at a point gives to a basis's [`collect`](Basis::collect) \[N\]. Not a closure: those of a kernel that are not
+/// inlined lose the processor's wider instructions, and with them all that they call.
+#[inline(always)]
+fn at_corners<V: Number>(point: &Point<V>, stress: &Mat<V>) -> Mat<V> {
+    scale(&mul_transpose(stress, &point.inverse), point.volume)
 }
 
 /// A field of functions of a node, called through pointers: the passes are long, and would be compiled for each caller.

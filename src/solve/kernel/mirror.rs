@@ -107,7 +107,8 @@ impl Copying<'_> {
                     Some(nodes) => columns::<V, _>(nodes, part),
                     None => {
                         let own = self.table.own(slice);
-                        [Half::First, Half::Second].map(|half| own.columns::<V>(part, half))
+                        let of = own.columns::<V>(part, Half::First);
+                        [of, own.columns::<V>(part, Half::Second)]
                     }
                 };
                 self.put::<V, VELOCITIES, SWINGS>((slice, part), columns);

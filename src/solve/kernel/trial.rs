@@ -126,7 +126,9 @@ impl<V: Vector> Nodes<V> {
     pub fn dragged(mut self, own: &impl End<V>, part: usize, drag: f32) -> Self {
         self.velocity = own.velocity(part);
         let drag = V::of(drag.into());
-        self.damping = self.velocity.map(|v| -(drag * v));
+        for k in 0..3 {
+            self.damping[k] = -(drag * self.velocity[k]);
+        }
         self
     }
 
