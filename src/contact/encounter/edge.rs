@@ -40,6 +40,25 @@ pub enum Kind {
 }
 
 impl Kind {
+    /// That of an edge. Without roots: it is asked of all edges near the other body, and most of them are flat.
+    pub fn of(body: &Posed, edge: u32) -> Self {
+        let [first, second] = body.outline.edges[edge as usize].faces;
+        let [Some(u), Some(v)] = [first, second].map(|face| flank(body, edge, face)) else {
+            return Self::Sharp;
+        };
+        // |û + v̂|² = 2 + 2·cos.
+        const COSINE: f64 = 1.0 - 0.5 * FLAT * FLAT;
+        let product = u.dot(v);
+        let squares = u.length_squared() * v.length_squared();
+        if product < 0.0 && product * product > COSINE * COSINE * squares {
+            Self::Flat
+        } else if body.outline.closed && u.dot(body.face_area(second)) > 0.0 {
+            Self::Hollow
+        } else {
+            Self::Sharp
+        }
+    }
+
     /// Whether edges of these kinds meet.
     pub fn meets(self, other: Self) -> bool {
         use Kind::{Flat, Sharp};
@@ -48,55 +67,30 @@ impl Kind {
             (Sharp, Sharp) | (Sharp, Flat) | (Flat, Sharp)
         )
     }
-}
 
-/// An edge between its faces.
-pub struct Ridge {
-    /// The directions from it into its faces, square to it, zero for none.
-    pub flanks: [DVec3; 2],
-    /// How it lies between them.
-    pub kind: Kind,
-}
-
-impl Ridge {
-    /// That of an edge.
-    pub fn of(body: &Posed, edge: u32) -> Self {
-        let flanks = flanks(body, edge);
-        let inwards = flanks[0] + flanks[1];
-        let is_hollow = || body.outline.closed && inwards.dot(body.edge_normal(edge)) > 0.0;
-        let kind = if flanks.contains(&DVec3::ZERO) {
-            Kind::Sharp
-        } else if inwards.length_squared() < FLAT * FLAT {
-            Kind::Flat
-        } else if is_hollow() {
-            Kind::Hollow
+    /// Whether an edge can push along a unit `way`; a flat one does across its faces alone.
+    fn can_push(self, body: &Posed, edge: u32, way: DVec3, touched: bool) -> bool {
+        let faces = body.outline.edges[edge as usize].faces;
+        let flanks = faces.map(|face| flank(body, edge, face).unwrap_or_default());
+        let flanks = flanks.map(DVec3::normalize_or_zero);
+        if self == Self::Flat {
+            flanks.iter().all(|f| f.dot(way) <= FLAT)
         } else {
-            Kind::Sharp
-        };
-        Self { flanks, kind }
-    }
-
-    /// Whether it can push along a unit `way`; a flat one does across its faces alone.
-    fn can_push(&self, way: DVec3, touched: bool) -> bool {
-        if self.kind == Kind::Flat {
-            self.flanks.iter().all(|f| f.dot(way) <= FLAT)
-        } else {
-            can_push(self.flanks, way, touched)
+            can_push(flanks, way, touched)
         }
     }
 }
 
-fn flanks(body: &Posed, edge: u32) -> [DVec3; 2] {
-    let e = &body.outline.edges[edge as usize];
+/// From an edge into a face of it, square to it; `None` where there is no face, or one without area.
+fn flank(body: &Posed, edge: u32, face: u32) -> Option<DVec3> {
+    if face == NONE {
+        return None;
+    }
     let [a, b] = body.ends(edge);
-    let along = (b - a).normalize_or_zero();
-    e.faces.map(|face| {
-        if face == NONE {
-            return DVec3::ZERO;
-        }
-        let into = third(body, edge, face).map_or(DVec3::ZERO, |n| body.at(n) - a);
-        (into - along * into.dot(along)).normalize_or_zero()
-    })
+    let along = b - a;
+    let into = body.at(third(body, edge, face)?) - a;
+    let flank = into * along.length_squared() - along * into.dot(along);
+    (flank != DVec3::ZERO).then_some(flank)
 }
 
 /// The corner of a face that is not on an edge of it.
@@ -123,17 +117,16 @@ pub fn face_across(body: &Posed, edge: u32, normal: DVec3) -> Option<(u32, [DVec
 }
 
 /// Where edge `edges[0]` of the first body and `edges[1]` of the second, whose kinds meet, cross, if they do: they come nearest at
-/// `along` of each. `ridge` is how the first lies; `last` is the normal they had last.
+/// `along` of each. `last` is the normal they had last.
 pub fn crossing(
     bodies: [&Posed; 2],
     edges: [u32; 2],
+    kinds: [Kind; 2],
     along: [f64; 2],
-    ridge: &Ridge,
     last: Option<DVec3>,
 ) -> Option<Crossing> {
     let (a, b) = (bodies[0].ends(edges[0]), bodies[1].ends(edges[1]));
     let way = a[0].lerp(a[1], along[0]) - b[0].lerp(b[1], along[1]);
-    let other = Ridge::of(bodies[1], edges[1]);
     let across = (a[1] - a[0]).cross(b[1] - b[0]).normalize();
     let out_of = |k: usize| {
         if bodies[k].outline.closed {
@@ -151,9 +144,7 @@ pub fn crossing(
     let normal = if side < 0.0 { -across } else { across };
     let gap = way.dot(normal);
     let shortest = a[0].distance(a[1]).min(b[0].distance(b[1]));
-    let touched = last.is_some();
-    let possible = gap > -DEEPEST * shortest
-        && other.can_push(normal, touched)
-        && ridge.can_push(-normal, touched);
+    let can_push = |k: usize, way| kinds[k].can_push(bodies[k], edges[k], way, last.is_some());
+    let possible = gap > -DEEPEST * shortest && can_push(1, normal) && can_push(0, -normal);
     possible.then_some(Crossing { along, normal, gap })
 }

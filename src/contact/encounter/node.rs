@@ -63,8 +63,10 @@ pub struct Query<'a> {
     pub known: &'a [Touch],
     /// −1 for nodes of the second body: touches keep normals from the second body to the first.
     pub sign: f64,
-    /// The outward normal of the node's own body there; zero if that has two sides or no face there.
-    pub own_normal: &'a dyn Fn() -> DVec3,
+    /// The node's own body.
+    pub mine: Posed<'a>,
+    /// The node.
+    pub node: u32,
     /// How much farther inside it can be than it can have come in a substep \[m\].
     pub unseen: f64,
     /// Distance that both keep from each other \[m\].
@@ -173,29 +175,32 @@ impl Query<'_> {
 
     fn see_solid(&self, way: &Way) -> Option<Found> {
         let mut found = self.outside_of(way);
-        let own = (self.own_normal)().normalize_or_zero();
-        let facing = found.normal.dot(own);
-        if way.nearest.feature != Feature::Face && FACING >= facing && facing > ALONG {
-            // A rim that comes along the surface of the node: a row along the way between them would stop it as a wall does, though nothing
-            // stands in its way if it goes over the node.
-            let height = -way.way.dot(own);
-            let passes = (self.other.velocity(way.element, way.nearest.weights) - self.v).dot(own);
-            if height < self.reach.touching {
-                // It is the face that will lie on it.
-                let normal = self.other.facing(way.element, way.nearest.feature, own);
-                if normal.dot(own) < facing {
-                    found = Found::new(way, normal, way.way.dot(normal));
+        if !self.is_opposite(found.normal) {
+            let own = self.own_normal().normalize_or_zero();
+            let facing = found.normal.dot(own);
+            if way.nearest.feature != Feature::Face && FACING >= facing && facing > ALONG {
+                // A rim that comes along the surface of the node: a row along the way between them would stop it as a wall does, though nothing
+                // stands in its way if it goes over the node.
+                let height = -way.way.dot(own);
+                let passes =
+                    (self.other.velocity(way.element, way.nearest.weights) - self.v).dot(own);
+                if height < self.reach.touching {
+                    // It is the face that will lie on it.
+                    let normal = self.other.facing(way.element, way.nearest.feature, own);
+                    if normal.dot(own) < facing {
+                        found = Found::new(way, normal, way.way.dot(normal));
+                    }
+                } else if height + passes * self.reach.h >= 0.0 {
+                    return None;
                 }
-            } else if height + passes * self.reach.h >= 0.0 {
-                return None;
             }
-        }
-        if own != DVec3::ZERO && facing > FACING {
-            // The surfaces do not look at each other: a node under the very rim of a solid is nearest to its side, and
-            // would be caught by it, or be let down beside it.
-            let back = self.way_back(-own)?;
-            let slight = (self.x - self.other.point(back.element, back.weights)).length();
-            return (found.gap < 0.0 || slight < RIM * self.reach.touching).then_some(back);
+            if own != DVec3::ZERO && facing > FACING {
+                // The surfaces do not look at each other: a node under the very rim of a solid is nearest to its side, and
+                // would be caught by it, or be let down beside it.
+                let back = self.way_back(-own)?;
+                let slight = (self.x - self.other.point(back.element, back.weights)).length();
+                return (found.gap < 0.0 || slight < RIM * self.reach.touching).then_some(back);
+            }
         }
         if found.gap >= 0.0 {
             return Some(found);
@@ -206,21 +211,39 @@ impl Query<'_> {
         }
     }
 
+    /// Whether the node's own surface surely looks against the one that has this unit `normal`, as nearly everywhere: found without
+    /// roots.
+    fn is_opposite(&self, normal: DVec3) -> bool {
+        self.mine.outline.closed && self.mine.all_against(self.node, normal, ALONG)
+    }
+
+    /// The outward normal of the node's own body there; zero if that has two sides or no face there.
+    fn own_normal(&self) -> DVec3 {
+        // What has two sides looks both ways.
+        if self.mine.outline.closed {
+            self.mine.node_normal(self.node)
+        } else {
+            DVec3::ZERO
+        }
+    }
+
     /// The nearest point of a solid, the side told by the normals around it.
     fn outside_of(&self, way: &Way) -> Found {
-        let normal = self.other.normal_at(way.element, way.nearest.feature);
-        if way.nearest.feature == Feature::Face {
+        let feature = way.nearest.feature;
+        let length = way.squared.sqrt();
+        if feature != Feature::Face && length < self.reach.touching {
+            // On an edge or a corner: the way is noise, and one of the faces is what the node's own surface lies on.
+            let against = self.own_normal();
+            let normal = if against == DVec3::ZERO {
+                let around = self.other.normal_at(way.element, feature);
+                around.normalize_or_zero()
+            } else {
+                self.other.facing(way.element, feature, against)
+            };
             return Found::new(way, normal, way.way.dot(normal));
         }
-        let length = way.squared.sqrt();
-        if length < self.reach.touching {
-            // On an edge or a corner: the way is noise, and one of the faces is what the node's own surface lies on.
-            let against = (self.own_normal)();
-            let normal = if against == DVec3::ZERO {
-                normal.normalize_or_zero()
-            } else {
-                self.other.facing(way.element, way.nearest.feature, against)
-            };
+        let normal = self.other.normal_at(way.element, feature);
+        if feature == Feature::Face {
             return Found::new(way, normal, way.way.dot(normal));
         }
         if way.way.dot(normal) < 0.0 {

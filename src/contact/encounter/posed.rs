@@ -128,10 +128,27 @@ impl<'a> Posed<'a> {
             .sum()
     }
 
-    /// Unit normal of a face, by its winding; zero for a face without area.
-    pub fn face_normal(&self, face: u32) -> DVec3 {
+    /// Normal of a face, by its winding, twice as long as its area \[m²\].
+    #[inline(always)]
+    pub fn face_area(&self, face: u32) -> DVec3 {
         let [a, b, c] = self.corners(face);
-        (b - a).cross(c - a).normalize_or_zero()
+        (b - a).cross(c - a)
+    }
+
+    /// Unit normal of a face; zero for a face without area.
+    pub fn face_normal(&self, face: u32) -> DVec3 {
+        self.face_area(face).normalize_or_zero()
+    }
+
+    /// Whether all faces around a node look against a unit `way`, each by a cosine below `cosine` < 0; so does every mean of them.
+    pub fn all_against(&self, node: u32, way: DVec3, cosine: f64) -> bool {
+        let mut faces = self.outline.around(node).peekable();
+        faces.peek().is_some()
+            && faces.all(|face| {
+                let area = self.face_area(face);
+                let along = area.dot(way);
+                along < 0.0 && along * along > cosine * cosine * area.length_squared()
+            })
     }
 
     /// The normal of the surface at a nearest point: of a face, or of the faces around an edge or a node weighted by their

@@ -1,7 +1,7 @@
 //! The rows of an encounter.
 
 use super::Encounter;
-use super::edge::{self, Kind, Ridge};
+use super::edge::{self, Kind};
 use super::levers;
 use super::near::{Near, of_the_same};
 use super::node::{Found, Query};
@@ -111,14 +111,8 @@ impl Encounter {
                 way: self.way,
                 known: touches.of(node, &mut from),
                 sign: if own == 0 { 1.0 } else { -1.0 },
-                own_normal: &|| {
-                    // What has two sides looks both ways.
-                    if mine.outline.closed {
-                        mine.node_normal(node)
-                    } else {
-                        DVec3::ZERO
-                    }
-                },
+                mine,
+                node,
                 unseen: self.unseen,
                 distance: self.manners.distance(),
                 reach,
@@ -196,8 +190,8 @@ impl Encounter {
             if a.outline.is_broken(edge, a.state) {
                 continue;
             }
-            let ridge = Ridge::of(&a, edge);
-            if ridge.kind == Kind::Hollow {
+            let own = Kind::of(&a, edge);
+            if own == Kind::Hollow {
                 continue;
             }
             let ends = a.ends(edge);
@@ -210,8 +204,8 @@ impl Encounter {
                 }
                 // Asked before how far they are apart: most edges of a solid are flat.
                 let kind = &mut kinds[other as usize];
-                let kind = *kind.get_or_insert_with(|| Ridge::of(&b, other).kind);
-                if !ridge.kind.meets(kind) || b.outline.is_broken(other, b.state) {
+                let kind = *kind.get_or_insert_with(|| Kind::of(&b, other));
+                if !own.meets(kind) || b.outline.is_broken(other, b.state) {
                     continue;
                 }
                 let (distance, along) = between_segments(ends, b.ends(other));
@@ -220,7 +214,7 @@ impl Encounter {
                     continue;
                 };
                 let (pair, normal) = ([edge, other], last.map(|t| t.normal));
-                let found = edge::crossing([&a, &b], pair, along, &ridge, normal);
+                let found = edge::crossing([&a, &b], pair, [own, kind], along, normal);
                 if let Some(found) = found {
                     let draft = self.draft_edges(pair, &found, last, bodies, &reach);
                     let into = -draft.velocity(bodies).dot(found.normal);
