@@ -136,7 +136,8 @@ impl Candidates {
         let nodes = (&self.target, self.pair, on_edges);
         self.nodes.add_rows(nodes, &frame, &mut site, self.way);
         if let Some(features) = &mut self.features {
-            features.add_rows(&self.target, self.pair, &frame, &mut site, self.way);
+            let nodes = (&self.target, self.pair, &self.nodes);
+            features.add_rows(nodes, &frame, &mut site, self.way);
         }
     }
 

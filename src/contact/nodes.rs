@@ -7,7 +7,7 @@ use super::solid_nodes::SolidNodes;
 use super::soup_nodes::SoupNodes;
 use super::target::{Frame, Target};
 use crate::body::state::State;
-use crate::math::Real;
+use crate::math::{DVec3, Real};
 use crate::solve::rows::{Row, Rows};
 
 /// The nodes of one body near one target, and what is remembered of those that touch it.
@@ -88,6 +88,14 @@ impl Nodes {
                 nodes.add_rows((target, pair, features), frame, site);
             }
             _ => {}
+        }
+    }
+
+    /// How a node stands on a surface; see [`SoupNodes::standing`].
+    pub fn standing(&self, node: u32, place: DVec3) -> Option<[DVec3; 2]> {
+        match self {
+            Self::Solid(_) => None,
+            Self::Soup(nodes) => nodes.standing(node, place),
         }
     }
 

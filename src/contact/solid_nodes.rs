@@ -7,7 +7,7 @@ use super::nodes::add;
 use super::roll::Roll;
 use super::site::{Reach, Site};
 use super::target::{Frame, Target};
-use super::touches::{Hold, Touch, Touches, along};
+use super::touches::{Hold, Key, Touch, Touches, along};
 use super::watch::Watch;
 use crate::body::state::State;
 use crate::math::{DVec3, Real};
@@ -95,11 +95,19 @@ struct Making<'a, 's> {
 }
 
 impl Making<'_, '_> {
-    /// The row of a node at a place of the collider's frame, at this distance and with this normal, if it can touch.
+    /// The rows of a node at a place of the collider's frame, at this distance and with this normal, if it can touch.
     fn node(&mut self, i: u32, place: DVec3, nearest: (f64, DVec3)) {
         if self.target.holds([i]) {
             return;
         }
+        let first = self.nearest(i, place, nearest);
+        if self.solid.is_hollow() {
+            self.others(i, place, nearest.1, first);
+        }
+    }
+
+    /// The row for what is nearest: its normal and how deep the node is, if it has got one.
+    fn nearest(&mut self, i: u32, place: DVec3, nearest: (f64, DVec3)) -> Option<(f64, DVec3)> {
         let key = [0, i, 0];
         let last = self.touches.last(key).copied();
         let (distance, mut normal) = self.way_out(place, nearest, last);
@@ -112,14 +120,12 @@ impl Making<'_, '_> {
             ..
         } = *self;
         let mut depth = target.skin - distance;
-        let arm = frame.axes * place + (frame.position - self.site.shadow.com);
-        let slip = self.site.side.state.velocity(i as usize) - self.site.shadow.velocity_at(arm);
         if depth < -self.site.reach.farthest {
-            return;
+            return None;
         }
-        let gain = self.site.side.gain(i, self.site.reach.h);
+        let (slip, gain) = self.motion(i, place);
         if depth < -self.site.reach.at(slip.length() + gain.length()) {
-            return;
+            return None;
         }
         let same_face = |touch: Touch| normal.dot(touch.normal) > PLANE;
         let is_shallow = depth <= self.site.reach.shallow();
@@ -136,24 +142,106 @@ impl Making<'_, '_> {
             let way = |point| self.site.way(velocity, frame, point);
             let turn = frame.axes.transpose() * roll.turn(self.site.reach.h);
             if pushed.lies_beside(solid, &self.site.reach, around, (way, turn)) {
-                return;
+                return None;
             }
         }
         let fresh = last.is_none_or(|touch| normal.dot(touch.normal) < SAME);
         if fresh && depth < self.site.reach.touching {
             let motion = frame.axes.transpose() * (slip + gain) * self.site.reach.h;
             if self.misses(i, place, motion, (-depth, normal)) {
-                return;
+                return None;
             }
         }
-        if let Some(Touch { normal: before, .. }) = last
-            && depth > 0.0
-            && normal.dot(before) < 0.0
-            && let Some(back) = solid.depth_along(place, before)
+        if depth > 0.0
+            && let Some(touch) = last.filter(|touch| normal.dot(touch.normal) < 0.0)
+            && let Some(back) = self.back(place, slip, &touch)
         {
-            // Squeezed past the middle of a thin solid: it goes back to where it came from.
-            (depth, normal) = (target.skin + back, before);
+            (depth, normal) = back;
         }
+        self.add((key, last), place, (depth, normal));
+        Some((depth, normal))
+    }
+
+    /// The rows for what else of a hollow solid the node lies against or comes to in the coming substep, along what it lies on: who slides
+    /// over a floor is nearest to that until it is in the wall. `beside` is the normal of the nearest face, `first` its row.
+    fn others(&mut self, i: u32, place: DVec3, beside: DVec3, first: Option<(f64, DVec3)>) {
+        let (solid, skin) = (self.solid, self.target.skin);
+        let Reach { touching, h, .. } = self.site.reach;
+        let (slip, gain) = self.motion(i, place);
+        let motion = self.frame.axes.transpose() * (slip + gain) * h;
+        // As far as its skin and what counts as touching, as slowly as it may come.
+        let least = 20.0 * touching + 4.0 * skin;
+        let mut way = motion + motion.normalize_or_zero() * (least - motion.length()).max(0.0);
+        let mut known = [first.map_or(beside, |(_, normal)| normal); MOST];
+        let mut lifted = place;
+        let mut last = first;
+        for k in 1..MOST {
+            if let Some((depth, normal)) = last {
+                known[k - 1] = normal;
+                let gap = normal.dot(lifted - place) - depth;
+                lifted += normal * (2.0 * touching - gap).max(0.0);
+                way -= normal * (way.dot(normal) + gap.max(0.0)).min(0.0);
+            }
+            let is_new = |normal: DVec3| known.iter().all(|n| n.dot(normal) < ALIKE);
+            let (distance, normal) = solid.signed_distance(lifted);
+            let plane = if distance - skin < touching && is_new(normal) {
+                Some((lifted - normal * distance, normal))
+            } else {
+                let entry = solid.cast(lifted, lifted + way);
+                let entry = entry.filter(|(_, normal)| is_new(*normal));
+                entry.map(|(t, normal)| (lifted + way * t, normal))
+            };
+            let found = plane.map(|(point, normal)| (skin - (place - point).dot(normal), normal));
+            let key = [0, i, k as u32];
+            let touched = self.touches.last(key).copied();
+            let back = touched.filter(|touch| is_new(touch.normal));
+            let back = back.and_then(|touch| self.back(place, slip, &touch));
+            let found = match (found, back) {
+                (Some(found), Some(back)) if found.1.dot(back.1) >= 0.0 => Some(found),
+                (found, back) => back.or(found),
+            };
+            let reach = self.site.reach.at(slip.length() + gain.length());
+            let Some((depth, normal)) = found.filter(|(depth, _)| *depth >= -reach) else {
+                return;
+            };
+            let touched = touched.filter(|touch| touch.normal.dot(normal) > SAME);
+            self.add((key, touched), place, (depth, normal));
+            last = Some((depth, normal));
+        }
+    }
+
+    /// How deep a node is along the normal of its last touch, and that, while it is still inside there: squeezed past the middle of a thin
+    /// solid it goes back to where it came from.
+    fn back(&self, place: DVec3, slip: DVec3, touch: &Touch) -> Option<(f64, DVec3)> {
+        let depth = self.target.skin + self.solid.depth_along(place, touch.normal)?;
+        let into = -slip.dot(self.frame.axes * touch.normal);
+        // What is hollow goes on behind what was touched.
+        let is_it = || depth <= touch.depth + self.site.reach.come(into);
+        (!self.solid.is_hollow() || is_it()).then_some((depth, touch.normal))
+    }
+
+    /// How fast a node moves over the solid, and by how much forces will change that within the substep \[m/s\].
+    fn motion(&self, i: u32, place: DVec3) -> (DVec3, DVec3) {
+        let Self { frame, site, .. } = self;
+        let arm = frame.axes * place + (frame.position - site.shadow.com);
+        let slip = site.side.state.velocity(i as usize) - site.shadow.velocity_at(arm);
+        (slip, site.side.gain(i, site.reach.h))
+    }
+
+    /// Adds the row of a node that is so deep under a face; `last` is what is known of it by this key.
+    fn add(
+        &mut self,
+        (key, last): (Key, Option<Touch>),
+        place: DVec3,
+        (depth, normal): (f64, DVec3),
+    ) {
+        let Self {
+            target,
+            frame,
+            roll,
+            ..
+        } = *self;
+        let arm = frame.axes * place + (frame.position - self.site.shadow.com);
         // What has not arrived yet is held where it will: on an edge the way there is none along the surface of the next
         // substep.
         let arrives = depth < -self.site.reach.touching;
@@ -177,7 +265,7 @@ impl Making<'_, '_> {
             drift: frame.axes * along(place - hold.anchor, normal),
             ..target.row(Default::default(), self.pair, self.site.reach.h)
         };
-        add(i, target, row, self.site);
+        add(key[1], target, row, self.site);
     }
 
     /// How far a node is from the surface, and the normal there. By an edge, where rounding alone tells which face is nearest, it is that
@@ -256,8 +344,14 @@ impl Making<'_, '_> {
         if held.is_some_and(goes_past) {
             return true;
         }
-        let (nearest, there) = solid.nearest_on_path(place, place + way);
-        let nearest = nearest - target.skin;
+        let (mut nearest, mut there) = solid.nearest_on_path(place, place + way);
+        if solid.is_hollow() && nearest <= touching && there.dot(normal) < SAME {
+            // Along what it lies on or comes to first.
+            let from = place + there * (2.0 * touching);
+            let along = way - there * way.dot(there).min(0.0);
+            (nearest, there) = solid.nearest_on_path(from, from + along);
+        }
+        nearest -= target.skin;
         if nearest > slack {
             return true;
         }
@@ -282,6 +376,12 @@ impl Making<'_, '_> {
     }
 }
 
+/// A node is held by at most so many faces of a solid.
+const MOST: usize = 3;
+
+/// Cosine of an angle within which two normals say the same.
+const ALIKE: f64 = 0.99;
+
 /// Cosine of an angle within which two normals are of one flat face.
 const PLANE: f64 = 1.0 - 1e-12;
 
@@ -303,7 +403,11 @@ pub fn is_hit(
             return false;
         }
         let (distance, normal) = solid.signed_distance(p);
-        let closing = -v.dot(normal);
-        closing > threshold && distance < skin + closing * time
+        let closing = |normal: DVec3| -v.dot(normal);
+        let is_fast = |normal: DVec3| closing(normal) > threshold;
+        // Along what is nearest it may come to something else.
+        let comes_to = || solid.cast(p, p + v * time);
+        is_fast(normal) && distance < skin + closing(normal) * time
+            || solid.is_hollow() && comes_to().is_some_and(|(_, normal)| is_fast(normal))
     })
 }

@@ -14,6 +14,9 @@ use crate::body::state::State;
 use crate::math::{DVec3, Real};
 use crate::solve::rows::{Row, Rows};
 
+/// Farther from where it was on its side a node is on the other one, and not on the surface \[m\].
+const THROUGH: f64 = 1e-6;
+
 /// The nodes of one body near one soup.
 #[derive(Clone, Debug)]
 #[cfg_attr(
@@ -236,6 +239,17 @@ impl SoupNodes {
         {
             features.overhangs(&site.side, frame, &mut self.overhangs);
         }
+    }
+
+    /// Where on the surface a node at `place` is that touches it or has been pushed through it, and the unit direction to the side
+    /// where it belongs, in the collider's frame \[m\].
+    pub fn standing(&self, node: u32, place: DVec3) -> Option<[DVec3; 2]> {
+        let index = self.facets.nodes().binary_search(&node).ok()?;
+        let side = self.sides.get(index).copied().flatten()?;
+        if side.distance_squared(place) > THROUGH * THROUGH {
+            return Some([side, (side - place).normalize()]);
+        }
+        Some([place, self.touches.normal([node, 0, 0])?])
     }
 
     /// Remembers which nodes touch, after the rows have been solved.

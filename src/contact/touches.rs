@@ -20,7 +20,7 @@ pub struct Touch {
     /// The normal it had.
     pub normal: DVec3,
     /// How deep it was \[m\].
-    depth: f64,
+    pub depth: f64,
     /// Where friction holds it.
     pub hold: Option<Hold>,
     /// What the row ended with \[N·s\], in the world: along its normal, and the friction.

@@ -246,7 +246,10 @@ impl Compound {
                     let off = (exit.normal + normal) / (1.0 + exit.normal.dot(normal));
                     let height = -step.length();
                     if height > best.0 && !self.covered(p + step + off * self.seam) {
-                        best = (height, step.try_normalize().unwrap_or(normal));
+                        // The direction of a shorter step is rounding.
+                        let is_long = -height > self.seam;
+                        let along = is_long.then(|| step / -height);
+                        best = (height, along.unwrap_or(exit.normal));
                     }
                 });
             }
@@ -292,6 +295,12 @@ impl Compound {
         }
     }
 
+    /// How far it is from `p` along a unit `n` out of all parts \[m\]; `None` from outside, or where there is no end.
+    pub fn depth_along(&self, p: DVec3, n: DVec3) -> Option<f64> {
+        let way = self.way_out(p, n);
+        (way > 0.0 && way.is_finite()).then_some(way)
+    }
+
     /// How far it is from `p` along `n` out of all parts; infinite where there is no end.
     fn way_out(&self, p: DVec3, n: DVec3) -> f64 {
         let beyond = (self.hi - self.lo).length();
@@ -323,7 +332,8 @@ impl Compound {
     }
 }
 
-/// The step to the line in which two faces meet \[m\], if both must be passed on it.
+/// The step to the line in which two faces meet \[m\], or over the one that is to be passed where the other is not, as by a point on
+/// its surface or a little over it; `None` of faces that are nearly parallel.
 fn through_edge(a: &Exit, b: &Exit) -> Option<DVec3> {
     let c = a.normal.dot(b.normal);
     let sine = 1.0 - c * c;
@@ -333,10 +343,11 @@ fn through_edge(a: &Exit, b: &Exit) -> Option<DVec3> {
     // The shortest step s with a·s = −height of a, b·s = −height of b.
     let x = (-a.height + c * b.height) / sine;
     let y = (-b.height + c * a.height) / sine;
-    if x < 0.0 || y < 0.0 {
-        return None;
-    }
-    Some(a.normal * x + b.normal * y)
+    Some(match (x < 0.0, y < 0.0) {
+        (false, false) => a.normal * x + b.normal * y,
+        (true, false) => b.normal * (-b.height).max(0.0),
+        _ => a.normal * (-a.height).max(0.0),
+    })
 }
 
 /// The box that holds a turned box.

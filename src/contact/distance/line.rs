@@ -20,12 +20,19 @@ impl Solid {
     }
 
     /// The least signed distance of a point that moves from `a` to `b` \[m\] and the normal there; for compounds and voxels
-    /// those of the place of entry, or of `b`.
+    /// those of the place of entry, or of `a` if that is inside, or of `b`.
     pub fn nearest_on_path(&self, a: DVec3, b: DVec3) -> (f64, DVec3) {
         match &self.core {
             Core::Compound(_) | Core::Voxels(_) => match self.cast(a, b) {
                 Some((_, normal)) => (0.0, normal),
-                None => self.signed_distance(b),
+                None => {
+                    let start = self.signed_distance(a);
+                    if start.0 <= 0.0 {
+                        start
+                    } else {
+                        self.signed_distance(b)
+                    }
+                }
             },
             _ => {
                 let (_, distance, normal) = self.nearest_on_segment(a, b);

@@ -166,6 +166,11 @@ impl Solid {
         matches!(self.core, Core::Compound(_))
     }
 
+    /// Whether it may have hollows, where something can lie against several of its faces: compounds and voxels.
+    pub fn is_hollow(&self) -> bool {
+        matches!(self.core, Core::Compound(_) | Core::Voxels(_))
+    }
+
     /// Signed distance (negative inside) \[m\] and outward unit normal at `p` \[m\]. Exact, but for compounds and voxels
     /// deep inside.
     #[inline]
@@ -184,11 +189,14 @@ impl Solid {
         (d - self.radius, n)
     }
 
-    /// How deep `p` lies below the supporting plane with outward unit normal `n` \[m\]; `None` where there is no such plane:
-    /// compounds, voxels, and a half-space in any direction but its own.
+    /// How deep `p` lies below the supporting plane with outward unit normal `n` \[m\], or below the surface of a compound in that
+    /// direction; `None` where there is none: outside of a compound, for voxels, and a half-space in any direction but its own.
     pub fn depth_along(&self, p: DVec3, n: DVec3) -> Option<f64> {
         if let Core::HalfSpace(normal) = self.core {
             return (normal.dot(n) > 1.0 - 1e-9).then(|| -p.dot(normal));
+        }
+        if let Core::Compound(compound) = &self.core {
+            return compound.depth_along(p, n);
         }
         Some((self.support(n)? - p).dot(n))
     }

@@ -54,6 +54,7 @@ impl Look<'_> {
         Making {
             target: self.target,
             pair: self.pair,
+            nodes: None,
             frame,
             skin: self.target.skin,
             roll: Roll::of(&part.solid, &frame, site.shadow),

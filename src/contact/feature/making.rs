@@ -3,6 +3,7 @@
 use super::meet::ALIKE;
 use super::patch::{Foot, Patch};
 use crate::contact::beside::SAME;
+use crate::contact::nodes::Nodes;
 use crate::contact::roll::Roll;
 use crate::contact::site::Site;
 use crate::contact::target::{Frame, Target};
@@ -90,6 +91,8 @@ impl Met {
 pub(super) struct Making<'a, 's> {
     pub target: &'a Target,
     pub pair: u32,
+    /// Those of the body by which its faces and edges know on which side of a surface they are.
+    pub nodes: Option<&'a Nodes>,
     /// Of the part of the target that is looked at.
     pub frame: Frame,
     /// Distance that is kept from it \[m\].

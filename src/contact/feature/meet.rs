@@ -14,6 +14,9 @@ use crate::math::DVec3;
 /// Cosine from which on the side where a neighbour was found tells that of a point.
 pub(super) const ALIKE: f64 = 0.3;
 
+/// How far off the plane of a node, per distance from it, what is sharp may be and be of the same surface.
+const STEEP: f64 = 0.5;
+
 /// How far along each of two segments they come nearest, unless that is more than `overlap` m beyond an end or they are
 /// parallel.
 fn crossing(a: [DVec3; 2], b: [DVec3; 2], overlap: f64) -> Option<[f64; 2]> {
@@ -64,7 +67,10 @@ impl Making<'_, '_> {
             };
             foot.normal * 1.0_f64.copysign(foot.normal.dot(side))
         };
-        if !can_push(cone.iter().copied(), -outward, last.is_some()) {
+        let nodes = topology.faces[f as usize].nodes();
+        if !can_push(cone.iter().copied(), -outward, last.is_some())
+            || !topology.closed && self.belongs_behind(nodes, p, -outward)
+        {
             return (apart, None);
         }
         let met = self.over(
@@ -107,7 +113,10 @@ impl Making<'_, '_> {
             let normal = normal * 1.0_f64.copysign(normal.dot(side));
             let ridge = Ridge::of(&patch, normal, topology.spacing)?;
             let (place, outward) = ridge.lowest_on(edge.ends, self.near)?;
-            if !can_push(edge.flanks(), -outward, last.is_some()) {
+            let nodes = topology.faces[f as usize].nodes();
+            if !can_push(edge.flanks(), -outward, last.is_some())
+                || !topology.closed && self.belongs_behind(nodes, place, -outward)
+            {
                 return None;
             }
             let foot = patch.foot(place)?;
@@ -131,6 +140,20 @@ impl Making<'_, '_> {
             return Some(-normal);
         }
         before(normal).map(|_| normal)
+    }
+
+    /// Whether what has these nodes belongs on the other side of a surface than the one to which a row at `place` would push it: a
+    /// pit is a peak to what is below it, as all seems to be that hangs on a node that was pushed through, and would be held there.
+    fn belongs_behind(&self, nodes: &[u32], place: DVec3, normal: DVec3) -> bool {
+        let mut places = nodes.iter().zip(self.corners(nodes));
+        places.any(|(&node, at)| {
+            let standing = self.nodes.and_then(|nodes| nodes.standing(node, at));
+            standing.is_some_and(|[foot, up]| {
+                let from = place - foot;
+                let is_one_surface = from.dot(up).abs() <= STEEP * from.length();
+                up.dot(normal) < -ALIKE && is_one_surface
+            })
+        })
     }
 
     /// The normal that a point had when it last touched this face, or this face's on the side from which it touched one beside it.
@@ -229,7 +252,14 @@ impl Making<'_, '_> {
         let normal = across * 1.0_f64.copysign(across.dot(side));
         let slid_on = last.is_some();
         let can_push = |flanks: [DVec3; 2], way| can_push(flanks, way, touched || slid_on);
-        if can_push(flanks, -normal) && can_push(edge.flanks(), normal) && edge.stands_out(normal) {
+        let closed = self.site.side.topology.closed;
+        let belongs_here =
+            || closed || !self.belongs_behind(&nodes, corners[0].lerp(corners[1], t), normal);
+        if can_push(flanks, -normal)
+            && can_push(edge.flanks(), normal)
+            && edge.stands_out(normal)
+            && belongs_here()
+        {
             let distance = way.dot(normal);
             // About as deep as what it has slid on from: else that is beyond a thin part.
             let slid = || {

@@ -21,6 +21,7 @@ mod saved;
 mod sharp;
 
 use super::form::Form;
+use super::nodes::Nodes;
 use super::site::{Side, Site};
 use super::soup::Overhang;
 use super::target::{Frame, Target};
@@ -89,18 +90,19 @@ impl Features {
         }
     }
 
-    /// Adds the rows of faces and edges; `way` is how far body and collider have moved in all \[m\].
+    /// Adds the rows of faces and edges, which may depend on those of `nodes`; `way` is how far body and collider have moved in all \[m\].
     pub fn add_rows(
         &mut self,
-        target: &Target,
-        pair: u32,
+        (target, pair, nodes): (&Target, u32, &Nodes),
         collider: &Frame,
         site: &mut Site,
         way: f64,
     ) {
         match self {
             Self::Convex(features) => features.add_rows(target, pair, collider, site, way),
-            Self::Sharp(features) => features.add_rows(target, pair, collider, site, way),
+            Self::Sharp(features) => {
+                features.add_rows((target, pair, nodes), collider, site, way);
+            }
         }
     }
 }

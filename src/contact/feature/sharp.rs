@@ -7,6 +7,7 @@
 use super::making::{Making, Met};
 use crate::contact::closest::bounds;
 use crate::contact::form::Form;
+use crate::contact::nodes::Nodes;
 use crate::contact::roll::Roll;
 use crate::contact::site::{Side, Site};
 use crate::contact::soup::{Edge, EdgeKind, EdgeSearch, Overhang};
@@ -185,11 +186,11 @@ impl SharpFeatures {
         out.sort_unstable_by_key(|over| (over.node, over.border));
     }
 
-    /// Adds the rows of faces and edges; `way` is how far body and collider have moved in all \[m\].
+    /// Adds the rows of faces and edges, which know from `nodes` on which side they are; `way` is how far body and collider have
+    /// moved in all \[m\].
     pub fn add_rows(
         &mut self,
-        target: &Target,
-        pair: u32,
+        (target, pair, nodes): (&Target, u32, &Nodes),
         collider: &Frame,
         site: &mut Site,
         way: f64,
@@ -213,6 +214,7 @@ impl SharpFeatures {
         let mut making = Making {
             target,
             pair,
+            nodes: Some(nodes),
             frame: *collider,
             skin,
             roll: Roll::of_any(site.shadow),

@@ -8,6 +8,7 @@ mod coarse;
 mod embed;
 mod fast;
 mod features;
+mod hollows;
 mod pinned;
 mod presses;
 mod ridges;
