@@ -377,7 +377,7 @@ impl Making<'_, '_> {
 }
 
 /// A node is held by at most so many faces of a solid.
-const MOST: usize = 3;
+const MOST: usize = 4;
 
 /// Cosine of an angle within which two normals say the same.
 const ALIKE: f64 = 0.99;

@@ -208,8 +208,20 @@ impl Compound {
         near.any(|part| part.holds(end, margin))
     }
 
+    /// Visits the faces, as seen from `p`, of the parts in which `end` lies.
+    fn for_each_exit(&self, p: DVec3, end: DVec3, f: &mut dyn FnMut(&Exit)) {
+        let margin = 0.5 * self.seam;
+        let near = self.parts.near(end, margin);
+        for part in near.filter(|part| part.holds(end, margin)) {
+            part.solid.exits(part.local(p), &mut |height, n| {
+                let normal = part.axes * n;
+                f(&Exit { height, normal });
+            });
+        }
+    }
+
     /// The nearest way out of the parts around `p`: through a face, or through the line in which a face meets one of the
-    /// part that hides it, the inner edge of an L.
+    /// part that hides it, the inner edge of an L, or the point in which three meet, its inner corner.
     fn inside(&self, p: DVec3) -> (f64, DVec3) {
         let mut exits = Exits {
             list: [Exit::default(); Exits::MOST],
@@ -232,27 +244,38 @@ impl Compound {
             }
             closed += 1;
         }
+        // The direction of a step no longer than the seam is rounding.
+        let way = |step: DVec3, length: f64, exit: &Exit| {
+            let is_long = length > self.seam;
+            (-length, if is_long { step / length } else { exit.normal })
+        };
         for exit in &exits.list[..closed] {
             let end = p + exit.normal * (self.seam - exit.height);
-            let margin = 0.5 * self.seam;
-            let near = self.parts.near(end, margin);
-            for part in near.filter(|part| part.holds(end, margin)) {
-                part.solid.exits(part.local(p), &mut |height, n| {
-                    let normal = part.axes * n;
-                    let Some(step) = through_edge(exit, &Exit { height, normal }) else {
+            self.for_each_exit(p, end, &mut |other| {
+                let Some(step) = through_edge(exit, other) else {
+                    return;
+                };
+                let length = step.length();
+                if -length <= best.0 {
+                    return;
+                }
+                // Off both faces.
+                let off = (exit.normal + other.normal) / (1.0 + exit.normal.dot(other.normal));
+                let end = p + step + off * self.seam;
+                if !self.covered(end) {
+                    best = way(step, length, exit);
+                    return;
+                }
+                self.for_each_exit(p, end, &mut |third| {
+                    let Some((step, off)) = through_corner([exit, other, third]) else {
                         return;
                     };
-                    // Off both faces.
-                    let off = (exit.normal + normal) / (1.0 + exit.normal.dot(normal));
-                    let height = -step.length();
-                    if height > best.0 && !self.covered(p + step + off * self.seam) {
-                        // The direction of a shorter step is rounding.
-                        let is_long = -height > self.seam;
-                        let along = is_long.then(|| step / -height);
-                        best = (height, along.unwrap_or(exit.normal));
+                    let length = step.length();
+                    if -length > best.0 && !self.covered(p + step + off * self.seam) {
+                        best = way(step, length, exit);
                     }
                 });
-            }
+            });
         }
         if best.0 > f64::NEG_INFINITY {
             best
@@ -348,6 +371,19 @@ fn through_edge(a: &Exit, b: &Exit) -> Option<DVec3> {
         (true, false) => b.normal * (-b.height).max(0.0),
         _ => a.normal * (-a.height).max(0.0),
     })
+}
+
+/// The step to the point in which three faces meet \[m\], as far as they are to be passed, and one by 1 over each of them; `None` where there
+/// is no such point.
+fn through_corner(faces: [&Exit; 3]) -> Option<(DVec3, DVec3)> {
+    let normals = faces.map(|face| face.normal);
+    let planes = DMat3::from_cols(normals[0], normals[1], normals[2]).transpose();
+    if planes.determinant().abs() < 1e-3 {
+        return None;
+    }
+    let inverse = planes.inverse();
+    let depths = faces.map(|face| (-face.height).max(0.0));
+    Some((inverse * DVec3::from(depths), inverse * DVec3::ONE))
 }
 
 /// The box that holds a turned box.

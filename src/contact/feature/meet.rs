@@ -69,7 +69,7 @@ impl Making<'_, '_> {
         };
         let nodes = topology.faces[f as usize].nodes();
         if !can_push(cone.iter().copied(), -outward, last.is_some())
-            || !topology.closed && self.belongs_behind(nodes, p, -outward)
+            || !topology.closed && self.belongs_behind(nodes, p, (-outward, corner.front))
         {
             return (apart, None);
         }
@@ -115,7 +115,7 @@ impl Making<'_, '_> {
             let (place, outward) = ridge.lowest_on(edge.ends, self.near)?;
             let nodes = topology.faces[f as usize].nodes();
             if !can_push(edge.flanks(), -outward, last.is_some())
-                || !topology.closed && self.belongs_behind(nodes, place, -outward)
+                || !topology.closed && self.belongs_behind(nodes, place, (-outward, edge.front()))
             {
                 return None;
             }
@@ -142,16 +142,18 @@ impl Making<'_, '_> {
         before(normal).map(|_| normal)
     }
 
-    /// Whether what has these nodes belongs on the other side of a surface than the one to which a row at `place` would push it: a
-    /// pit is a peak to what is below it, as all seems to be that hangs on a node that was pushed through, and would be held there.
-    fn belongs_behind(&self, nodes: &[u32], place: DVec3, normal: DVec3) -> bool {
+    /// Whether what has these nodes belongs on the other side of a surface than the one to which a row at `place` would push it, where the
+    /// facets look to the `front` in the mean. A pit is a peak to what is below it, as all seems to be that hangs on a node that was
+    /// pushed through, and would be held there.
+    fn belongs_behind(&self, nodes: &[u32], place: DVec3, (normal, front): (DVec3, DVec3)) -> bool {
+        let front = front.normalize_or_zero();
         let mut places = nodes.iter().zip(self.corners(nodes));
         places.any(|(&node, at)| {
             let standing = self.nodes.and_then(|nodes| nodes.standing(node, at));
             standing.is_some_and(|[foot, up]| {
                 let from = place - foot;
                 let is_one_surface = from.dot(up).abs() <= STEEP * from.length();
-                up.dot(normal) < -ALIKE && is_one_surface
+                normal.dot(front * up.dot(front).signum()) < -ALIKE && is_one_surface
             })
         })
     }
@@ -253,8 +255,10 @@ impl Making<'_, '_> {
         let slid_on = last.is_some();
         let can_push = |flanks: [DVec3; 2], way| can_push(flanks, way, touched || slid_on);
         let closed = self.site.side.topology.closed;
-        let belongs_here =
-            || closed || !self.belongs_behind(&nodes, corners[0].lerp(corners[1], t), normal);
+        let belongs_here = || {
+            let place = corners[0].lerp(corners[1], t);
+            closed || !self.belongs_behind(&nodes, place, (normal, edge.front()))
+        };
         if can_push(flanks, -normal)
             && can_push(edge.flanks(), normal)
             && edge.stands_out(normal)

@@ -38,6 +38,8 @@ pub(super) struct Corner {
     /// What tells it from others of its surface.
     pub id: u32,
     pub place: DVec3,
+    /// The sum of the normals of all facets there, each as often as it has edges that end there, or 0 where they do not agree on a front.
+    pub front: DVec3,
     /// Which directions of the cone are its.
     cone: [u32; 2],
 }
@@ -330,6 +332,11 @@ impl SharpFeatures {
             self.corners.push(Corner {
                 id: ends[0].id,
                 place: ends[0].place,
+                front: if ends.iter().all(|end| end.edge.kind != EdgeKind::Free) {
+                    ends.iter().map(|end| end.edge.front()).sum()
+                } else {
+                    DVec3::ZERO
+                },
                 cone: [first, self.cone.len() as u32],
             });
         }

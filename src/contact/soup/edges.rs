@@ -98,6 +98,15 @@ impl Edge {
         a == DVec3::ZERO || b == DVec3::ZERO || (a + b).dot(direction) <= 0.0
     }
 
+    /// The sum of its facets' normals where these agree on a front, else 0.
+    pub fn front(&self) -> DVec3 {
+        if self.kind == EdgeKind::Free {
+            DVec3::ZERO
+        } else {
+            self.normals[0] + self.normals[1]
+        }
+    }
+
     /// Sine of the angle by which its facets bend, 1 from a right angle on and where it is free.
     pub fn bend(&self) -> f64 {
         let [a, b] = self.normals;

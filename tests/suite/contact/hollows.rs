@@ -270,3 +270,56 @@ fn what_falls_on_rough_ground_lies_on_it() {
         }
     }
 }
+
+/// A corner of three plates was told to be left straight through the one behind it: all faces of each end in another, and so do the
+/// edges in which two of them meet.
+#[test]
+fn a_box_of_plates_keeps_what_is_in_it() {
+    let mut random = Random(7);
+    for thickness in [0.01, 0.04] {
+        let plates = [0, 1, 2].into_iter().flat_map(|axis| {
+            [-0.4, 0.4].map(|side| {
+                let (mut at, mut half) = (Vector::ZERO, Vector::splat(0.4));
+                (at[axis], half[axis]) = (side, 0.5 * thickness);
+                (at, 0.0, half)
+            })
+        });
+        let plates = boxes(&plates.collect::<Vec<_>>());
+        for seed in 0..4 {
+            let bodies = [
+                ("node", node()),
+                (
+                    "triangle",
+                    triangle(Vector::new(-0.1, 0.0, 0.1), Vector::new(-0.1, 0.0, -0.1)),
+                ),
+                ("block", block()),
+            ];
+            for (name, body) in bodies {
+                let mut world = PhysicsWorld {
+                    gravity: Vector::ZERO,
+                    ..PhysicsWorld::default()
+                };
+                let turn = random.direction() * 5.0;
+                let (plated, _) = world.insert(
+                    RigidBodyBuilder::dynamic().angvel(turn),
+                    plates.clone().density(100.0).friction(0.0),
+                );
+                let mut set = DeformableWorld::default();
+                let body = body.linvel(random.direction() * 3.0).friction(0.0);
+                let body = set.insert(body.can_sleep(false)).unwrap();
+                for frame in 0..240 {
+                    set.step(&mut world);
+                    let pose = *world.bodies[plated].position();
+                    let inside = set[body]
+                        .positions()
+                        .map(|p| pose.inverse_transform_point(p));
+                    let farthest = inside.map(|p| p.abs().max_element()).fold(0.0, f32::max);
+                    assert!(
+                        farthest < 0.4,
+                        "{name} in plates of {thickness} m, {seed}: {farthest} m from the middle in frame {frame}"
+                    );
+                }
+            }
+        }
+    }
+}
