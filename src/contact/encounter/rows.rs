@@ -181,17 +181,18 @@ impl Encounter {
         while let Some((near, others)) = of_the_same(rest) {
             rest = others;
             let edge = near[0].own;
-            let known = touches.of(edge, &mut from).len();
+            let known = touches.of(edge, &mut from);
             let is_beyond = |near: &Near| near.at_least(self.way) > farthest;
-            if known == 0 && near.iter().all(is_beyond) {
+            if known.is_empty() && near.iter().all(is_beyond) {
                 continue;
             }
+            let is_pressed = known.iter().any(Touch::is_pressed);
             let [a, b] = bodies.posed;
             if a.outline.is_broken(edge, a.state) {
                 continue;
             }
             let own = Kind::of(&a, edge);
-            if own == Kind::Hollow {
+            if own == Kind::Hollow && !is_pressed {
                 continue;
             }
             let ends = a.ends(edge);
@@ -205,7 +206,9 @@ impl Encounter {
                 // Asked before how far they are apart: most edges of a solid are flat.
                 let kind = &mut kinds[other as usize];
                 let kind = *kind.get_or_insert_with(|| Kind::of(&b, other));
-                if !own.meets(kind) || b.outline.is_broken(other, b.state) {
+                // What an edge bears on it flattens: let go for that, it would bend again.
+                let meets = own.meets(kind) || last.as_ref().is_some_and(Touch::is_pressed);
+                if !meets || b.outline.is_broken(other, b.state) {
                     continue;
                 }
                 let (distance, along) = between_segments(ends, b.ends(other));

@@ -26,6 +26,13 @@ pub struct Touch {
     pub impulse: (f64, DVec3),
 }
 
+impl Touch {
+    /// Whether its row pressed when it was last solved.
+    pub fn is_pressed(&self) -> bool {
+        self.impulse.0 > 0.0
+    }
+}
+
 /// The touches of one kind, sorted by `own`.
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(
