@@ -168,6 +168,11 @@ impl Making<'_, '_> {
         let (solid, skin) = (self.solid, self.target.skin);
         let Reach { touching, h, .. } = self.site.reach;
         let (slip, gain) = self.motion(i, place);
+        let reach = self.site.reach.at(slip.length() + gain.length());
+        let deep = first.map_or(0.0, |(depth, _)| depth.max(0.0));
+        if !solid.has_hollow_at(place, skin + reach + deep) {
+            return;
+        }
         let motion = self.frame.axes.transpose() * (slip + gain) * h;
         // As far as its skin and what counts as touching, as slowly as it may come.
         let least = 20.0 * touching + 4.0 * skin;
@@ -200,7 +205,6 @@ impl Making<'_, '_> {
                 (Some(found), Some(back)) if found.1.dot(back.1) >= 0.0 => Some(found),
                 (found, back) => back.or(found),
             };
-            let reach = self.site.reach.at(slip.length() + gain.length());
             let Some((depth, normal)) = found.filter(|(depth, _)| *depth >= -reach) else {
                 return;
             };

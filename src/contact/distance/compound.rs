@@ -175,6 +175,14 @@ impl Compound {
         near.all(|part| part.solid.is_off(part.local(a), part.local(b), least))
     }
 
+    /// Whether several parts, or one with hollows, may be within `reach` m of a point, as far as their boxes tell.
+    pub fn has_hollow_at(&self, p: DVec3, reach: f64) -> bool {
+        let mut near = self.parts.near(p, reach);
+        let first = near.find(|part| part.away(p) <= reach);
+        let is_hollow = first.is_some_and(|part| part.solid.is_hollow());
+        is_hollow || near.any(|part| part.away(p) <= reach)
+    }
+
     /// Signed distance and normal.
     pub fn signed_distance(&self, p: DVec3) -> (f64, DVec3) {
         let mut best = (f64::INFINITY, DVec3::Y);

@@ -171,6 +171,14 @@ impl Solid {
         matches!(self.core, Core::Compound(_) | Core::Voxels(_))
     }
 
+    /// Whether there may be one within `reach` m of a point: where a compound has but one convex part, there is none.
+    pub fn has_hollow_at(&self, p: DVec3, reach: f64) -> bool {
+        match &self.core {
+            Core::Compound(compound) => compound.has_hollow_at(p, reach),
+            _ => self.is_hollow(),
+        }
+    }
+
     /// Signed distance (negative inside) \[m\] and outward unit normal at `p` \[m\]. Exact, but for compounds and voxels
     /// deep inside.
     #[inline]
