@@ -1,7 +1,7 @@
 //! An edge against an edge: where they cross, how deep, and which way is out.
 //!
-//! Only pairs count of which one stands out, and only where both are crossed inside and the normal is one that both can have: of
-//! flat and hollow parts the nodes meet faces, and at the ends of edges nodes meet edges.
+//! Only pairs count of which one stands out, or that bear on each other already, and only where both are crossed inside and the
+//! normal is one that both can have: of flat and hollow parts the nodes meet faces, and at the ends of edges nodes meet edges.
 
 use super::outline::NONE;
 use super::posed::Posed;
@@ -31,7 +31,7 @@ pub struct Crossing {
 /// How an edge lies in its surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// It looks into a solid, and meets nothing.
+    /// It looks into a solid, and meets nothing anew.
     Hollow,
     /// Its faces hardly bend: it meets what stands out.
     Flat,
