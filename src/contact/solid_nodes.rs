@@ -188,15 +188,8 @@ impl Making<'_, '_> {
                 way -= normal * (way.dot(normal) + gap.max(0.0)).min(0.0);
             }
             let is_new = |normal: DVec3| known.iter().all(|n| n.dot(normal) < ALIKE);
-            let (distance, normal) = solid.signed_distance(lifted);
-            let plane = if distance - skin < touching && is_new(normal) {
-                Some((lifted - normal * distance, normal))
-            } else {
-                let entry = solid.cast(lifted, lifted + way);
-                let entry = entry.filter(|(_, normal)| is_new(*normal));
-                entry.map(|(t, normal)| (lifted + way * t, normal))
-            };
-            let found = plane.map(|(point, normal)| (skin - (place - point).dot(normal), normal));
+            let found = self.plane_ahead(lifted, way, is_new);
+            let found = found.map(|(point, normal)| (skin - (place - point).dot(normal), normal));
             let key = [0, i, k as u32];
             let touched = self.touches.last(key).copied();
             let back = touched.filter(|touch| is_new(touch.normal));
@@ -212,6 +205,21 @@ impl Making<'_, '_> {
             self.add((key, touched), place, (depth, normal));
             last = Some((depth, normal));
         }
+    }
+
+    /// The plane that a node lies against or comes to on its way, if it is a new one: a point of it and its normal.
+    fn plane_ahead(
+        &self,
+        place: DVec3,
+        way: DVec3,
+        is_new: impl Fn(DVec3) -> bool,
+    ) -> Option<(DVec3, DVec3)> {
+        let (distance, normal) = self.solid.signed_distance(place);
+        if distance - self.target.skin < self.site.reach.touching && is_new(normal) {
+            return Some((place - normal * distance, normal));
+        }
+        let (t, normal) = self.solid.cast(place, place + way)?;
+        is_new(normal).then_some((place + way * t, normal))
     }
 
     /// How deep a node is along the normal of its last touch, and that, while it is still inside there: squeezed past the middle of a thin
