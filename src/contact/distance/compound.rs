@@ -2,11 +2,14 @@
 //! boxes side by side are one floor, and a node just under its top must not be pushed into the gap between them. So the
 //! ways out through all faces of the parts around a point are gathered, and one that ends in another part is no way out.
 
+mod steps;
+
 use super::parts::Parts;
 use super::{Solid, edges};
 use crate::contact::target::wide_rotation;
 use crate::math::{DMat3, DQuat, DVec3, wide};
 use rapier3d::parry::shape;
+use steps::{Exit, through_corner, through_edge};
 
 /// Parts in one frame.
 #[derive(Debug, PartialEq)]
@@ -51,14 +54,6 @@ impl Part {
     fn away(&self, p: DVec3) -> f64 {
         (self.lo - p).max(p - self.hi).max(DVec3::ZERO).length()
     }
-}
-
-/// A face as seen from a point.
-#[derive(Clone, Copy, Default)]
-struct Exit {
-    /// Height of the point over it, negative below \[m\].
-    height: f64,
-    normal: DVec3,
 }
 
 /// Nearest ways out, the nearest first. Farther ones than fit are not looked at.
@@ -361,37 +356,6 @@ impl Compound {
         }
         f64::INFINITY
     }
-}
-
-/// The step to the line in which two faces meet \[m\], or over the one that is to be passed where the other is not, as by a point on
-/// its surface or a little over it; `None` of faces that are nearly parallel.
-fn through_edge(a: &Exit, b: &Exit) -> Option<DVec3> {
-    let c = a.normal.dot(b.normal);
-    let sine = 1.0 - c * c;
-    if sine < 1e-6 {
-        return None;
-    }
-    // The shortest step s with a·s = −height of a, b·s = −height of b.
-    let x = (-a.height + c * b.height) / sine;
-    let y = (-b.height + c * a.height) / sine;
-    Some(match (x < 0.0, y < 0.0) {
-        (false, false) => a.normal * x + b.normal * y,
-        (true, false) => b.normal * (-b.height).max(0.0),
-        _ => a.normal * (-a.height).max(0.0),
-    })
-}
-
-/// The step to the point in which three faces meet \[m\], as far as they are to be passed, and one by 1 over each of them; `None` where there
-/// is no such point.
-fn through_corner(faces: [&Exit; 3]) -> Option<(DVec3, DVec3)> {
-    let normals = faces.map(|face| face.normal);
-    let planes = DMat3::from_cols(normals[0], normals[1], normals[2]).transpose();
-    if planes.determinant().abs() < 1e-3 {
-        return None;
-    }
-    let inverse = planes.inverse();
-    let depths = faces.map(|face| (-face.height).max(0.0));
-    Some((inverse * DVec3::from(depths), inverse * DVec3::ONE))
 }
 
 /// The box that holds a turned box.

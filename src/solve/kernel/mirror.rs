@@ -107,8 +107,8 @@ impl Copying<'_> {
                     Some(nodes) => columns::<V, _>(nodes, part),
                     None => {
                         let own = self.table.own(slice);
-                        let of = own.columns::<V>(part, Half::First);
-                        [of, own.columns::<V>(part, Half::Second)]
+                        let first = own.columns::<V>(part, Half::First);
+                        [first, own.columns::<V>(part, Half::Second)]
                     }
                 };
                 self.put::<V, VELOCITIES, SWINGS>((slice, part), columns);

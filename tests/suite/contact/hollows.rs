@@ -145,7 +145,7 @@ fn what_lies_in_a_corner_lies_still() {
             let fastest = fastest.fold(0.0, f32::max);
             let weight = set[body].mass() * 6.937;
             let force = set.contacts_of(body).next().unwrap().force / weight;
-            assert!(deepest < 1e-4, "{name}, μ {friction}: {deepest} m deep");
+            assert!(deepest < 1e-6, "{name}, μ {friction}: {deepest} m deep");
             assert!(fastest < 1e-3, "{name}, μ {friction}: {fastest} m/s");
             assert!(
                 (force.x + 1.0).abs() < 0.01 && (force.y - 1.0).abs() < 0.01,
