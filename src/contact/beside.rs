@@ -37,19 +37,41 @@ impl Beside<'_> {
 
     /// How far a point of a frame is from the nearest other solid, negative inside, or `most` if that is less \[m\].
     pub fn distance(&self, frame: &Frame, point: DVec3, most: f64) -> f64 {
+        self.nearest(frame, point, most)
+            .map_or(most, |(distance, _)| distance)
+    }
+
+    /// That of the nearest other solid, if it is nearer than `most` m, and its normal there, in the frame.
+    pub fn nearest(&self, frame: &Frame, point: DVec3, most: f64) -> Option<(f64, DVec3)> {
         let point = frame.position + frame.axes * point;
         let others = self.others.into_iter().flatten();
-        others.fold(most, |nearest, other| {
-            let (Form::Solid(solid), Some(frame)) = (&other.target.form, other.frame()) else {
+        let found = others.fold((most, None), |nearest, other| {
+            let (Form::Solid(solid), Some(its)) = (&other.target.form, other.frame()) else {
                 return nearest;
             };
-            let offset = point - frame.position;
-            if offset.length() - other.target.extent >= nearest {
+            let offset = point - its.position;
+            if offset.length() - other.target.extent >= nearest.0 {
                 return nearest;
             }
-            let local = frame.axes.transpose() * offset;
-            nearest.min(solid.signed_distance(local).0)
-        })
+            let (distance, normal) = solid.signed_distance(its.axes.transpose() * offset);
+            if distance < nearest.0 {
+                (distance, Some(its.axes * normal))
+            } else {
+                nearest
+            }
+        });
+        Some((found.0, frame.axes.transpose() * found.1?))
+    }
+
+    /// The normals with which a node touched other solids last, in a frame.
+    pub fn touched(&self, frame: &Frame, node: u32) -> impl Iterator<Item = DVec3> {
+        let others = self.others.into_iter().flatten();
+        let normals = others.filter_map(move |other| {
+            let axes = other.frame()?.axes;
+            Some(axes * other.touched(node)?)
+        });
+        let axes = frame.axes.transpose();
+        normals.map(move |normal| axes * normal)
     }
 
     /// From where to where a point in a frame that moves with `shadow` goes on its way over `time` s where other solids hold

@@ -17,7 +17,7 @@ use super::nodes::Nodes;
 use super::site::Site;
 use super::target::{Frame, Target};
 use crate::body::state::State;
-use crate::math::Real;
+use crate::math::{DVec3, Real};
 use crate::solve::rows::Rows;
 use crate::solve::shadow::Shadow;
 
@@ -116,6 +116,11 @@ impl Candidates {
     /// The collider's frame when it was last followed.
     pub fn frame(&self) -> Option<&Frame> {
         self.frame.as_ref()
+    }
+
+    /// The normal with which a node touched a solid last, in the collider's frame.
+    pub fn touched(&self, node: u32) -> Option<DVec3> {
+        self.nodes.touched(node)
     }
 
     /// Puts the lists by for the next step.

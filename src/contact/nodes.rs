@@ -91,6 +91,14 @@ impl Nodes {
         }
     }
 
+    /// The normal with which a node touched a solid last.
+    pub fn touched(&self, node: u32) -> Option<DVec3> {
+        match self {
+            Self::Solid(nodes) => nodes.touched(node),
+            Self::Soup(_) => None,
+        }
+    }
+
     /// How a node stands on a surface; see [`SoupNodes::standing`].
     pub fn standing(&self, node: u32, place: DVec3) -> Option<[DVec3; 2]> {
         match self {

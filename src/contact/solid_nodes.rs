@@ -1,19 +1,21 @@
 //! Nodes near a solid, and their rows.
 
 mod hollow;
+mod rims;
 
 use super::beside::SAME;
 use super::cone::Pushed;
 use super::distance::Solid;
 use super::nodes::add;
 use super::roll::Roll;
-use super::site::{Reach, Site};
+use super::site::Site;
 use super::target::{Frame, Target};
 use super::touches::{Hold, Key, Touch, Touches, along};
 use super::watch::Watch;
 use crate::body::state::State;
 use crate::math::{DVec3, Real};
 use crate::solve::rows::{Row, Rows};
+use rims::Held;
 
 /// The nodes of one body near one solid, and what is remembered of those that touch it.
 #[derive(Clone, Debug, Default)]
@@ -65,6 +67,11 @@ impl SolidNodes {
         });
     }
 
+    /// The normal with which a node touched last.
+    pub fn touched(&self, node: u32) -> Option<DVec3> {
+        self.touches.normal([0, node, 0])
+    }
+
     /// Remembers which nodes touch, after the rows have been solved.
     pub fn remember(&mut self, rows: &Rows, touching: f64) {
         self.touches.end(rows, touching);
@@ -112,7 +119,7 @@ impl Making<'_, '_> {
     fn nearest(&mut self, i: u32, place: DVec3, nearest: (f64, DVec3)) -> Option<(f64, DVec3)> {
         let key = [0, i, 0];
         let last = self.touches.last(key).copied();
-        let (distance, mut normal) = self.way_out(place, nearest, last);
+        let (distance, mut normal) = self.way_out(i, place, nearest, last);
         let Self {
             solid,
             target,
@@ -139,11 +146,14 @@ impl Making<'_, '_> {
                 skin: target.skin,
                 touched: last.is_some(),
             };
+            let motion = frame.axes.transpose() * (slip + gain) * self.site.reach.h;
+            let is_held = self.site.beside.touched(frame, i).next().is_some();
+            let is_between = is_held && self.held(place, motion, -depth) == Held::Between;
             let around = || self.site.side.around(i, frame);
             let velocity = self.site.side.state.velocity(i as usize);
             let way = |point| self.site.way(velocity, frame, point);
             let turn = frame.axes.transpose() * roll.turn(self.site.reach.h);
-            if pushed.lies_beside(solid, &self.site.reach, around, (way, turn)) {
+            if !is_between && pushed.lies_beside(solid, &self.site.reach, around, (way, turn)) {
                 return None;
             }
         }
@@ -221,120 +231,10 @@ impl Making<'_, '_> {
         };
         add(key[1], target, row, self.site);
     }
-
-    /// How far a node is from the surface, and the normal there. By an edge, where rounding alone tells which face is nearest, it is that
-    /// of the face that the node touched last, and no face where the way out ends in what lies flush beside the solid: on a
-    /// joint of two tiles a node is not between them.
-    fn way_out(&self, place: DVec3, nearest: (f64, DVec3), last: Option<Touch>) -> (f64, DVec3) {
-        let Site { reach, beside, .. } = &*self.site;
-        let touched = |normal: DVec3| last.is_some_and(|touch| normal.dot(touch.normal) > SAME);
-        let is_same = last.is_none() || touched(nearest.1);
-        if nearest.0 >= reach.touching || (is_same && beside.is_empty()) {
-            return nearest;
-        }
-        let is_near = |height: f64, normal: DVec3| height >= -reach.shallow() || touched(normal);
-        let mut near = 0;
-        let mut kept = None;
-        self.solid.exits(place, &mut |height, normal| {
-            near += usize::from(is_near(height, normal));
-            if !is_same && touched(normal) && height >= -reach.touching {
-                kept = Some((height, normal));
-            }
-        });
-        if near < 2 {
-            return nearest;
-        }
-        let is_open = |way: &(f64, DVec3)| !beside.hides(self.frame, place, *way);
-        if let Some(kept) = kept.filter(is_open) {
-            return kept;
-        }
-        if is_open(&nearest) {
-            return nearest;
-        }
-        // The nearest that is open, or where none is, as at the foot of a box, the one that has most room.
-        let mut best = (beside.room(self.frame, place, nearest), nearest);
-        self.solid.exits(place, &mut |height, normal| {
-            if is_near(height, normal) {
-                let room = beside.room(self.frame, place, (height, normal));
-                let room = room.min(0.5 * reach.touching);
-                if room > best.0 || (room == best.0 && height > best.1.0) {
-                    best = (room, (height, normal));
-                }
-            }
-        });
-        best.1
-    }
-
-    /// Whether a node that would go through the tangent plane of the nearest point, `gap` m away, goes past the solid instead, or
-    /// over its edge: a plane has no end, but a plate has. One that comes down just on the edge goes past if there is room there and
-    /// nothing of its body is over the plate; a node that slides over a joint between two boxes, a nanometre too low, does not
-    /// meet the side of the next one, which is hidden by the first.
-    fn misses(&self, i: u32, place: DVec3, motion: DVec3, (gap, normal): (f64, DVec3)) -> bool {
-        let Self {
-            solid,
-            target,
-            frame,
-            site,
-            ..
-        } = self;
-        let Reach {
-            touching, slack, ..
-        } = site.reach;
-        let length = motion.length();
-        if length <= 0.0 || length.is_nan() {
-            return false;
-        }
-        let longer = (20.0 * touching / length).max(1.0);
-        let way = motion * longer;
-        let closing = -way.dot(normal);
-        if gap > closing {
-            return false;
-        }
-        // What is nearer holds it before it can come here.
-        let whole = (way, longer * site.reach.h);
-        let by = (*frame, site.shadow);
-        let held = site.beside.held(by, place, whole, gap);
-        let goes_past = |[from, to]: [DVec3; 2]| solid.is_off(from, to, target.skin - touching);
-        if held.is_some_and(goes_past) {
-            return true;
-        }
-        let (mut nearest, mut there) = solid.nearest_on_path(place, place + way);
-        if solid.is_hollow() && nearest <= touching && there.dot(normal) < SAME {
-            // Along what it lies on or comes to first.
-            let from = place + there * (2.0 * touching);
-            let along = way - there * way.dot(there).min(0.0);
-            (nearest, there) = solid.nearest_on_path(from, from + along);
-        }
-        nearest -= target.skin;
-        if nearest > slack {
-            return true;
-        }
-        if nearest <= -touching || there.dot(normal) >= SAME {
-            return false;
-        }
-        let entry = if closing > 0.0 {
-            place + way * (gap / closing).max(0.0)
-        } else {
-            place
-        };
-        let most = 0.5 * touching;
-        let is_filled = |to: DVec3| {
-            let point = entry + to * (2.0 * touching);
-            site.beside.distance(frame, point, most) < most
-        };
-        if is_filled(there - normal) {
-            return false;
-        }
-        let is_over = |direction: DVec3| direction.dot(there) < -INWARD;
-        is_filled(normal) || !site.side.around(i, frame).any(is_over)
-    }
 }
 
 /// Cosine of an angle within which two normals are of one flat face.
 const PLANE: f64 = 1.0 - 1e-12;
-
-/// The sine by which what is beside a node goes behind a face at least to be behind it.
-const INWARD: f64 = 0.1;
 
 /// Whether any of the points, given with their velocities in the solid's frame, meets the solid faster than `threshold` m/s
 /// within `time` s, being `skin` m thick.

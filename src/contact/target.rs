@@ -210,6 +210,16 @@ pub fn pushes(collider: &Collider, surface: &Surface) -> bool {
     !collider.is_sensor() && surface.solver_groups.test(collider.solver_groups())
 }
 
+/// Half the thickness of a surface \[m\].
+pub fn half_thickness(surface: &Surface) -> f64 {
+    0.5 * thickness(surface.thickness)
+}
+
+/// The skin of a collider \[m\].
+pub fn skin_of(collider: &Collider) -> f64 {
+    thickness(collider.contact_skin())
+}
+
 /// A thickness that can be one \[m\], else 0.
 fn thickness(t: Real) -> f64 {
     if t.is_finite() {
@@ -264,7 +274,7 @@ pub fn target(
         offset,
         turn,
         friction: f64::from(friction).max(0.0),
-        skin: thickness(collider.contact_skin()) + 0.5 * thickness(surface.thickness),
+        skin: skin_of(collider) + half_thickness(surface),
         node_share: f64::from(dominance >= 0),
         rigid_share: f64::from(dominance <= 0),
         stiffness: surface

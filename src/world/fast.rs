@@ -4,7 +4,7 @@
 //! far as they look anyway. What is faster is met only where its own way leads: by the speed of the fastest body of all a
 //! thousand blocks would look for each other within metres, for one bullet that flies a kilometre off.
 
-use super::reach::{grown, travel, true_pose};
+use super::reach::{grown, travel, true_bounds};
 use super::{AttachmentState, RapierParts};
 use crate::contact::target::{is_on, wide_rotation};
 use crate::coupling::attach::Point;
@@ -49,7 +49,7 @@ impl Fast {
             for &handle in body.colliders() {
                 if let Some(collider) = parts.colliders.get(handle).filter(|c| is_on(c, Some(body)))
                 {
-                    let bounds = collider.shape().compute_aabb(&true_pose(collider, parts));
+                    let bounds = true_bounds(collider, parts);
                     boxes.extend(swept(&bounds, travel(speed, dt, parts)));
                     fast.speeds.resize(boxes.len(), speed);
                 }

@@ -11,7 +11,9 @@ use super::report::note;
 use super::sense::Sensing;
 use super::{AttachmentState, Deformable, DeformableHandle, RapierParts};
 use crate::contact::form::Forms;
-use crate::contact::target::{Target, admits, pushes, target, wide_rotation};
+use crate::contact::target::{
+    Target, admits, half_thickness, pushes, skin_of, target, wide_rotation,
+};
 use crate::math::{DVec3, Pose, narrow, wide};
 use crate::solve::shadow::Shadow;
 use rapier3d::data::arena::Arena;
@@ -34,6 +36,12 @@ pub(super) fn true_pose(collider: &Collider, parts: &RapierParts) -> Pose {
         (Some(body), Some(relative)) => *body.position() * *relative,
         _ => *collider.position(),
     }
+}
+
+/// The box around a collider by its body's pose, with its skin.
+pub(super) fn true_bounds(collider: &Collider, parts: &RapierParts) -> Aabb {
+    let bounds = collider.shape().compute_aabb(&true_pose(collider, parts));
+    bounds.loosened(skin_of(collider) as f32)
 }
 
 /// What every deformable of a step asks alike.
@@ -123,6 +131,11 @@ impl Deformable {
         let margin = margin + (lo.abs().max(hi.abs()) * 2e-7).max_element();
         Aabb::new(narrow(lo - margin), narrow(hi + margin))
     }
+
+    /// The distance that its surface keeps \[m\].
+    pub(super) fn half_thickness(&self) -> f64 {
+        half_thickness(self.surface())
+    }
 }
 
 /// Calls `found` for every collider the body may touch, moving at `speed` m/s at most, in the order of their handles, with
@@ -133,8 +146,9 @@ pub(super) fn for_each_in_reach(
     gate: &mut Gate,
     found: impl FnMut(ColliderHandle, &Collider, bool),
 ) {
-    let rigid_speed = search.rigid_speed(|| body.box_within(0.0), speed);
-    let reach = travel(speed + rigid_speed, search.dt, search.parts);
+    let half = body.half_thickness();
+    let rigid_speed = search.rigid_speed(|| body.box_within(half), speed);
+    let reach = half + travel(speed + rigid_speed, search.dt, search.parts);
     for_each_within((own, body), &body.box_within(reach), search, gate, found);
 }
 
@@ -158,11 +172,8 @@ pub(super) fn for_each_within(
         .map(|(handle, _)| handle)
         .collect();
     hits.extend(search.strays.iter().filter(|h| {
-        parts.colliders.get(**h).is_some_and(|c| {
-            c.shape()
-                .compute_aabb(&true_pose(c, parts))
-                .intersects(bounds)
-        })
+        let stray = parts.colliders.get(**h);
+        stray.is_some_and(|c| true_bounds(c, parts).intersects(bounds))
     }));
     hits.sort_by_key(|handle| handle.into_raw_parts());
     hits.dedup();

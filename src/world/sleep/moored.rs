@@ -188,7 +188,7 @@ impl DeformableWorld {
     /// What of the world may meet a deformable within `dt` s.
     fn around(&self, parts: &RapierParts, dt: f64) -> Aabb {
         let bodies = self.iter().filter(|(_, body)| body.is_enabled());
-        let boxes = bodies.map(|(_, body)| body.box_within(0.0));
+        let boxes = bodies.map(|(_, body)| body.box_within(body.half_thickness()));
         let all = boxes.fold(Aabb::new_invalid(), |all, own| all.merged(&own));
         grown(&all, DRIVEN * parts.length_unit() * dt)
     }

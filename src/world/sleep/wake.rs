@@ -9,7 +9,7 @@ use crate::contact::form::address;
 use crate::coupling::observe::velocity;
 use crate::math::{DVec3, Pose, Real};
 use crate::world::hooks::Gate;
-use crate::world::reach::{self, Search, grown, travel, true_pose};
+use crate::world::reach::{self, Search, grown, travel, true_bounds, true_pose};
 use crate::world::{DeformableHandle, DeformableWorld, RapierParts};
 use rapier3d::dynamics::{CoefficientCombineRule, RigidBody};
 use rapier3d::geometry::{Aabb, Collider, ColliderHandle, SharedShape};
@@ -99,7 +99,7 @@ impl DeformableWorld {
                 let pose = true_pose(collider, parts);
                 let rigid = collider.parent().and_then(|b| parts.bodies.get(b));
                 let way = rigid.map_or(0.0, |b| way(b, collider, search.dt));
-                let swept = collider.shape().compute_aabb(&pose).loosened(way as f32);
+                let swept = true_bounds(collider, parts).loosened(way as f32);
                 if !swept.intersects(bounds) {
                     return;
                 }

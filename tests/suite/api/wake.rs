@@ -56,7 +56,14 @@ fn dig(floor: &mut Collider) {
 #[test]
 fn a_floor_that_becomes_another_wakes() {
     type Change = fn(&mut Collider);
-    let causes: [(&str, ColliderBuilder, bool, Change); 4] = [
+    let slab = ColliderBuilder::cuboid(1.5, 0.5, 1.5).translation(Vector::Y * -0.6);
+    let causes: [(&str, ColliderBuilder, bool, Change); 5] = [
+        (
+            "a floor switched off",
+            slab.contact_skin(0.1),
+            true,
+            |floor| floor.set_enabled(false),
+        ),
         ("a voxel that was dug out", voxels(), true, dig),
         ("a mesh with a hole", tiled(), true, |floor| {
             let (corners, faces) = tiles(true);

@@ -1,6 +1,6 @@
 //! Ropes on the seams of floors that are put together from pieces which share no vertices: nothing falls in between.
 
-use crumple::body::Net;
+use crumple::body::{Net, Node};
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
 use crumple::shape::{TetSplit, tet_box};
@@ -383,5 +383,55 @@ fn what_is_shot_at_joints_stays_above_them() {
         let over = deformables[body].positions().filter(|x| x.x.abs() < 0.9);
         let lowest = over.map(|x| x.y).fold(f32::INFINITY, f32::min);
         assert!(lowest > -1e-4, "{lowest}");
+    }
+}
+
+/// Two boxes whose upper rims meet at the bottom of a trough, and below it gape: a node that lies there is within rounding of the
+/// undersides of both, and once went through.
+#[test]
+fn nothing_falls_through_where_boxes_meet_in_a_line() {
+    let v = Vector::new;
+    let single = || DeformableBuilder::new(Net::new(vec![Node::new(Vector::ZERO, 0.1)], vec![]));
+    let across = rope(v(-0.1, 0.0, 0.0), v(0.1, 0.0, 0.05), 4, 4e-5);
+    let along = rope(v(0.0, 0.0, -0.2), v(0.02, 0.04, 0.2), 4, 4e-5);
+    let roped =
+        |net| DeformableBuilder::new(net).material(Material::elastic(8e5, 300.0).viscosity(2e3));
+    let on_edge = Rotation::from_rotation_z(0.785);
+    let block = DeformableBuilder::new(lattice(Vector::splat(0.2), 0.1))
+        .material(Material::elastic(1e6, 300.0).viscosity(1e3));
+    let tets = tet_box(Vector::splat(0.2), 0.1, TetSplit::Six).unwrap();
+    let tets = DeformableBuilder::tets(tets, Solid::new(1e6, 0.3, 300.0).damping(1.0, 1e-3));
+    let bodies = [
+        ("node", single()),
+        ("rope across", roped(across)),
+        ("rope along", roped(along)),
+        ("block", block.rotation(on_edge)),
+        ("tets", tets.rotation(on_edge)),
+    ];
+    for degrees in [30.0_f32, 46.0, 60.0, 69.0] {
+        let slope = degrees.to_radians();
+        for (name, body) in &bodies {
+            for (speed, friction) in [(0.0, 0.3), (2.0, 0.0)] {
+                let (mut world, mut set) = (PhysicsWorld::default(), DeformableWorld::default());
+                for sign in [-1.0, 1.0] {
+                    let turn = Rotation::from_rotation_z(sign * slope);
+                    let at = turn * v(sign * 0.4, -0.1, 0.0);
+                    let side = RigidBodyBuilder::fixed().pose(Pose::from_parts(at, turn));
+                    world.insert(side, ColliderBuilder::cuboid(0.4, 0.1, 0.6));
+                }
+                let body = body.clone().translation(v(0.0037, 0.6, 0.01));
+                let body = body.linvel(Vector::NEG_Y * speed).friction(friction);
+                let body = set.insert(body).unwrap();
+                for _ in 0..90 {
+                    set.step(&mut world);
+                    let low = |p: &Vector| p.x.abs() < 0.05 && p.z.abs() < 0.55 && p.y < -2e-3;
+                    let through = set[body].positions().find(low);
+                    assert!(
+                        through.is_none(),
+                        "{name} at {speed} m/s, sides of {degrees}°: {through:?}"
+                    );
+                }
+            }
+        }
     }
 }

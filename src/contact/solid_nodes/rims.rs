@@ -1,0 +1,214 @@
+//! Nodes at the rims of a solid: by which face they leave it, and what goes past.
+
+use super::{Making, PLANE};
+use crate::contact::beside::SAME;
+use crate::contact::site::{Reach, Site};
+use crate::contact::touches::Touch;
+use crate::math::DVec3;
+
+/// Where a node goes that another solid holds.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Held {
+    /// It is not held, or comes to this solid.
+    Not,
+    /// Past this solid.
+    Beside,
+    /// Between the two, whose faces look at each other and touch: there is no way.
+    Between,
+}
+
+impl Making<'_, '_> {
+    /// How far a node is from the surface, and the normal there. By an edge, where rounding alone tells which face is nearest, it is that
+    /// of the face that the node touched last, and no face where the way out ends in what lies flush beside the solid: on a
+    /// joint of two tiles a node is not between them.
+    pub(super) fn way_out(
+        &self,
+        i: u32,
+        place: DVec3,
+        nearest: (f64, DVec3),
+        last: Option<Touch>,
+    ) -> (f64, DVec3) {
+        let Site { reach, beside, .. } = &*self.site;
+        let touched = |normal: DVec3| last.is_some_and(|touch| normal.dot(touch.normal) > SAME);
+        let is_same = last.is_none() || touched(nearest.1);
+        // Where little bears it, a node in a steep notch sinks in farther than what counts as touching.
+        if let Some(last) = last.filter(|touch| nearest.1.dot(touch.normal) <= PLANE)
+            && let Some(face) = self.notch(i, place, nearest, last)
+        {
+            return face;
+        }
+        if nearest.0 >= reach.touching || (is_same && beside.is_empty()) {
+            return nearest;
+        }
+        let is_near = |height: f64, normal: DVec3| height >= -reach.shallow() || touched(normal);
+        let mut near = 0;
+        let mut kept = None;
+        self.solid.exits(place, &mut |height, normal| {
+            near += usize::from(is_near(height, normal));
+            if !is_same && touched(normal) && height >= -reach.touching {
+                kept = Some((height, normal));
+            }
+        });
+        if near < 2 {
+            return nearest;
+        }
+        if let Some(face) = last.and_then(|last| self.notch(i, place, nearest, last)) {
+            return face;
+        }
+        let is_open = |way: &(f64, DVec3)| !beside.hides(self.frame, place, *way);
+        if let Some(kept) = kept.filter(is_open) {
+            return kept;
+        }
+        if is_open(&nearest) {
+            return nearest;
+        }
+        // The nearest that is open, or where none is, as at the foot of a box, the one that has most room. None leads in between
+        // two faces that look at each other.
+        let facing = beside.nearest(self.frame, place, reach.shallow());
+        let looks_at = |normal: DVec3| facing.is_some_and(|(_, n)| normal.dot(n) < -INWARD);
+        let mut best = (beside.room(self.frame, place, nearest), nearest);
+        self.solid.exits(place, &mut |height, normal| {
+            if is_near(height, normal) && !looks_at(normal) {
+                let room = beside.room(self.frame, place, (height, normal));
+                let room = room.min(0.5 * reach.touching);
+                if room > best.0 || (room == best.0 && height > best.1.0) {
+                    best = (room, (height, normal));
+                }
+            }
+        });
+        best.1
+    }
+
+    /// The face that a node touched last, where it is in the notch between that and a face of another solid that it touched as well: the
+    /// rims of the two may meet in a line, beyond which both solids have their undersides.
+    fn notch(
+        &self,
+        i: u32,
+        place: DVec3,
+        nearest: (f64, DVec3),
+        last: Touch,
+    ) -> Option<(f64, DVec3)> {
+        let Site { reach, beside, .. } = &*self.site;
+        if nearest.0.abs() > reach.shallow() {
+            return None;
+        }
+        let crosses = |normal: &DVec3| normal.dot(last.normal) < SAME;
+        let other = beside.touched(self.frame, i).find(crosses)?;
+        let mut face = None;
+        let mut most = SLANTED;
+        self.solid.exits(place, &mut |height, normal| {
+            let alike = normal.dot(last.normal);
+            let is_it = alike > PLANE || alike > most && normal.dot(other) > -INWARD;
+            if is_it && height.abs() <= reach.shallow() {
+                (most, face) = (alike, Some((height, normal)));
+            }
+        });
+        face
+    }
+
+    /// Where a node that moves so in the substep, `gap` m away, goes by what it lies on or comes to first.
+    pub(super) fn held(&self, place: DVec3, motion: DVec3, gap: f64) -> Held {
+        let Self {
+            solid,
+            target,
+            frame,
+            site,
+            ..
+        } = self;
+        let touching = site.reach.touching;
+        let length = motion.length();
+        if length <= 0.0 || length.is_nan() {
+            return Held::Not;
+        }
+        let longer = (20.0 * touching / length).max(1.0);
+        let whole = (motion * longer, longer * site.reach.h);
+        let held = site.beside.held((*frame, site.shadow), place, whole, gap);
+        let Some([from, to]) = held else {
+            return Held::Not;
+        };
+        // What else pushes it may take it farther.
+        let (least, there) = solid.nearest_on_path(from, from + (to - from) * 2.0);
+        let lifted = (from - place).normalize_or_zero();
+        if least < target.skin && there.dot(lifted) < -INWARD {
+            Held::Between
+        } else if solid.is_off(from, to, target.skin - touching) {
+            Held::Beside
+        } else {
+            Held::Not
+        }
+    }
+
+    /// Whether a node that would go through the tangent plane of the nearest point, `gap` m away, goes past the solid instead, or
+    /// over its edge: a plane has no end, but a plate has. One that comes down just on the edge goes past if there is room there and
+    /// nothing of its body is over the plate; a node that slides over a joint between two boxes, a nanometre too low, does not
+    /// meet the side of the next one, which is hidden by the first.
+    pub(super) fn misses(
+        &self,
+        i: u32,
+        place: DVec3,
+        motion: DVec3,
+        (gap, normal): (f64, DVec3),
+    ) -> bool {
+        let Self {
+            solid,
+            target,
+            frame,
+            site,
+            ..
+        } = self;
+        let Reach {
+            touching, slack, ..
+        } = site.reach;
+        let length = motion.length();
+        if length <= 0.0 || length.is_nan() {
+            return false;
+        }
+        let longer = (20.0 * touching / length).max(1.0);
+        let way = motion * longer;
+        let closing = -way.dot(normal);
+        if gap > closing {
+            return false;
+        }
+        // What is nearer holds it before it can come here.
+        match self.held(place, motion, gap) {
+            Held::Between => return false,
+            Held::Beside => return true,
+            Held::Not => {}
+        }
+        let (mut nearest, mut there) = solid.nearest_on_path(place, place + way);
+        if solid.is_hollow() && nearest <= touching && there.dot(normal) < SAME {
+            // Along what it lies on or comes to first.
+            let from = place + there * (2.0 * touching);
+            let along = way - there * way.dot(there).min(0.0);
+            (nearest, there) = solid.nearest_on_path(from, from + along);
+        }
+        nearest -= target.skin;
+        if nearest > slack {
+            return true;
+        }
+        if nearest <= -touching || there.dot(normal) >= SAME {
+            return false;
+        }
+        let entry = if closing > 0.0 {
+            place + way * (gap / closing).max(0.0)
+        } else {
+            place
+        };
+        let most = 0.5 * touching;
+        let is_filled = |to: DVec3| {
+            let point = entry + to * (2.0 * touching);
+            site.beside.distance(frame, point, most) < most
+        };
+        if is_filled(there - normal) {
+            return false;
+        }
+        let is_over = |direction: DVec3| direction.dot(there) < -INWARD;
+        is_filled(normal) || !site.side.around(i, frame).any(is_over)
+    }
+}
+
+/// Cosine of an angle within which the normal at a rim may be of one of its faces.
+const SLANTED: f64 = 0.3;
+
+/// The sine by which what is beside a node goes behind a face at least to be behind it.
+const INWARD: f64 = 0.1;
