@@ -111,7 +111,7 @@ impl Making<'_, '_> {
         }
         let first = self.nearest(i, place, nearest);
         if self.solid.is_hollow() {
-            self.others(i, place, nearest.1, first);
+            self.others(i, place, nearest, first);
         }
     }
 

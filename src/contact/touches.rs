@@ -134,6 +134,11 @@ impl Touches {
         depths.max_by(f64::total_cmp)
     }
 
+    /// The normals that points had whose keys begin like this and that touched last.
+    pub fn of(&self, start: [u32; 2]) -> impl Iterator<Item = DVec3> {
+        self.beginning(start).map(|t| t.normal)
+    }
+
     /// The points whose keys begin like this that touched last.
     fn beginning(&self, [first, second]: [u32; 2]) -> impl Iterator<Item = &Touch> {
         let i = self.kept.partition_point(|t| t.key < [first, second, 0]);

@@ -302,6 +302,14 @@ impl Compound {
         any
     }
 
+    /// The faces of the parts around a point, whether they are out of the whole or not.
+    pub fn faces(&self, p: DVec3, f: &mut dyn FnMut(f64, DVec3)) {
+        for part in self.parts.near(p, self.seam) {
+            let mut turned = |height: f64, n: DVec3| f(height, part.axes * n);
+            part.solid.faces(part.local(p), &mut turned);
+        }
+    }
+
     /// Where every face is hidden, as for a ball that sticks out of a box: the shortest straight way out among the faces'
     /// directions and the axes, from part to part.
     fn straight(&self, p: DVec3, exits: &Exits) -> (f64, DVec3) {

@@ -4,6 +4,16 @@ use super::{Core, Solid, primitive};
 use crate::math::DVec3;
 
 impl Solid {
+    /// As [`Self::exits`], of a compound those of its parts, be they inside others or not.
+    pub fn faces(&self, p: DVec3, f: &mut dyn FnMut(f64, DVec3)) {
+        match &self.core {
+            Core::Compound(whole) => {
+                whole.faces(p, &mut |height, normal| f(height - self.radius, normal))
+            }
+            _ => self.exits(p, f),
+        }
+    }
+
     /// Every face of a solid as seen from a point: its height over it and the outward normal.
     pub fn exits(&self, p: DVec3, f: &mut dyn FnMut(f64, DVec3)) {
         let mut f = |height: f64, normal: DVec3| f(height - self.radius, normal);

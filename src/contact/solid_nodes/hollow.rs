@@ -13,12 +13,12 @@ const ALIKE: f64 = 0.99;
 
 impl Making<'_, '_> {
     /// The rows for what else of a hollow solid the node lies against or comes to in the coming substep, along what it lies on: who slides
-    /// over a floor is nearest to that until it is in the wall. `beside` is the normal of the nearest face, `first` its row.
+    /// over a floor is nearest to that until it is in the wall. `first` is the row of the nearest face.
     pub(super) fn others(
         &mut self,
         i: u32,
         place: DVec3,
-        beside: DVec3,
+        nearest: (f64, DVec3),
         first: Option<(f64, DVec3)>,
     ) {
         let (solid, skin) = (self.solid, self.target.skin);
@@ -33,7 +33,7 @@ impl Making<'_, '_> {
         // As far as its skin and what counts as touching, as slowly as it may come.
         let least = 20.0 * touching + 4.0 * skin;
         let mut way = motion + motion.normalize_or_zero() * (least - motion.length()).max(0.0);
-        let mut known = [first.map_or(beside, |(_, normal)| normal); MOST];
+        let mut known = [first.map_or(nearest.1, |(_, normal)| normal); MOST];
         let mut lifted = place;
         let mut last = first;
         for k in 1..MOST {
@@ -44,10 +44,16 @@ impl Making<'_, '_> {
                 way -= normal * (way.dot(normal) + gap.max(0.0)).min(0.0);
             }
             let is_new = |normal: DVec3| known.iter().all(|n| n.dot(normal) < ALIKE);
-            let found = self.plane_ahead(lifted, way, is_new);
-            let found = found.map(|(point, normal)| (skin - (place - point).dot(normal), normal));
             let key = [0, i, k as u32];
             let touched = self.touches.last(key).copied();
+            let notch = touched.and_then(|touch| self.notch(i, place, nearest, touch));
+            let notch = notch.filter(|(_, normal)| is_new(*normal));
+            let notch = notch.map(|(height, normal)| (skin - height, normal));
+            let ahead = || {
+                let (point, normal) = self.plane_ahead(lifted, way, is_new)?;
+                Some((skin - (place - point).dot(normal), normal))
+            };
+            let found = notch.or_else(ahead);
             let back = touched.filter(|touch| is_new(touch.normal));
             let back = back.and_then(|touch| self.back(place, slip, &touch));
             let found = match (found, back) {

@@ -79,9 +79,9 @@ impl Making<'_, '_> {
         best.1
     }
 
-    /// The face that a node touched last, where it is in the notch between that and a face of another solid that it touched as well: the
-    /// rims of the two may meet in a line, beyond which both solids have their undersides.
-    fn notch(
+    /// The face that a node touched last, where it is in the notch between that and a face of another solid, or another part of this one,
+    /// that it touched as well: the rims of the two may meet in a line, beyond which both have their undersides.
+    pub(super) fn notch(
         &self,
         i: u32,
         place: DVec3,
@@ -93,10 +93,12 @@ impl Making<'_, '_> {
             return None;
         }
         let crosses = |normal: &DVec3| normal.dot(last.normal) < SAME;
-        let other = beside.touched(self.frame, i).find(crosses)?;
+        let parts = self.solid.is_hollow().then(|| self.touches.of([0, i]));
+        let others = beside.touched(self.frame, i);
+        let other = others.chain(parts.into_iter().flatten()).find(crosses)?;
         let mut face = None;
         let mut most = SLANTED;
-        self.solid.exits(place, &mut |height, normal| {
+        self.solid.faces(place, &mut |height, normal| {
             let alike = normal.dot(last.normal);
             let is_it = alike > PLANE || alike > most && normal.dot(other) > -INWARD;
             if is_it && height.abs() <= reach.shallow() {
