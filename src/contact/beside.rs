@@ -45,7 +45,7 @@ impl Beside<'_> {
     pub fn nearest(&self, frame: &Frame, point: DVec3, most: f64) -> Option<(f64, DVec3)> {
         let point = frame.position + frame.axes * point;
         let others = self.others.into_iter().flatten();
-        let found = others.fold((most, None), |nearest, other| {
+        let (distance, normal) = others.fold((most, None), |nearest, other| {
             let (Form::Solid(solid), Some(its)) = (&other.target.form, other.frame()) else {
                 return nearest;
             };
@@ -60,7 +60,7 @@ impl Beside<'_> {
                 nearest
             }
         });
-        Some((found.0, frame.axes.transpose() * found.1?))
+        Some((distance, frame.axes.transpose() * normal?))
     }
 
     /// The normals with which a node touched other solids last, in a frame.

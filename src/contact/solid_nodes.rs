@@ -15,7 +15,7 @@ use super::watch::Watch;
 use crate::body::state::State;
 use crate::math::{DVec3, Real};
 use crate::solve::rows::{Row, Rows};
-use rims::Held;
+use rims::Course;
 
 /// The nodes of one body near one solid, and what is remembered of those that touch it.
 #[derive(Clone, Debug, Default)]
@@ -147,8 +147,9 @@ impl Making<'_, '_> {
                 touched: last.is_some(),
             };
             let motion = frame.axes.transpose() * (slip + gain) * self.site.reach.h;
-            let is_held = self.site.beside.touched(frame, i).next().is_some();
-            let is_between = is_held && self.held(place, motion, -depth) == Held::Between;
+            let touches_others = self.site.beside.touched(frame, i).next().is_some();
+            let is_between =
+                touches_others && self.course(place, motion, -depth) == Course::Between;
             let around = || self.site.side.around(i, frame);
             let velocity = self.site.side.state.velocity(i as usize);
             let way = |point| self.site.way(velocity, frame, point);

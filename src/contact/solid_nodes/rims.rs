@@ -6,14 +6,14 @@ use crate::contact::site::{Reach, Site};
 use crate::contact::touches::Touch;
 use crate::math::DVec3;
 
-/// Where a node goes that another solid holds.
+/// Where a node goes along other solids that hold it.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Held {
-    /// It is not held, or comes to this solid.
-    Not,
+pub(super) enum Course {
+    /// None holds it, or they lead it to this solid.
+    Here,
     /// Past this solid.
-    Beside,
-    /// Between the two, whose faces look at each other and touch: there is no way.
+    Past,
+    /// In between this solid and what holds it, which touch with faces that look at each other: there is no way.
     Between,
 }
 
@@ -31,10 +31,10 @@ impl Making<'_, '_> {
         let Site { reach, beside, .. } = &*self.site;
         let touched = |normal: DVec3| last.is_some_and(|touch| normal.dot(touch.normal) > SAME);
         let is_same = last.is_none() || touched(nearest.1);
-        // Where little bears it, a node in a steep notch sinks in farther than what counts as touching.
-        if let Some(last) = last.filter(|touch| nearest.1.dot(touch.normal) <= PLANE)
-            && let Some(face) = self.notch(i, place, nearest, last)
-        {
+        let is_face = last.is_some_and(|touch| nearest.1.dot(touch.normal) > PLANE);
+        let notch = || self.notch(i, place, nearest, last?);
+        // Beyond the bottom of a notch a node may be farther out than what counts as touching.
+        if !is_face && let Some(face) = notch() {
             return face;
         }
         if nearest.0 >= reach.touching || (is_same && beside.is_empty()) {
@@ -52,7 +52,7 @@ impl Making<'_, '_> {
         if near < 2 {
             return nearest;
         }
-        if let Some(face) = last.and_then(|last| self.notch(i, place, nearest, last)) {
+        if is_face && let Some(face) = notch() {
             return face;
         }
         let is_open = |way: &(f64, DVec3)| !beside.hides(self.frame, place, *way);
@@ -79,8 +79,9 @@ impl Making<'_, '_> {
         best.1
     }
 
-    /// The face that a node touched last, where it is in the notch between that and a face of another solid, or another part of this one,
-    /// that it touched as well: the rims of the two may meet in a line, beyond which both have their undersides.
+    /// The face that a node touched last, its height over it and its normal, where the node touched a face of another solid, or of another
+    /// part of this one, as well that leans by more than [`SAME`]: at the bottom of such a notch the rims of the two may meet in a line,
+    /// beyond which both have their ends. If it touched a rim, it is the face beside that which does not look at the other one.
     pub(super) fn notch(
         &self,
         i: u32,
@@ -97,19 +98,26 @@ impl Making<'_, '_> {
         let others = beside.touched(self.frame, i);
         let other = others.chain(parts.into_iter().flatten()).find(crosses)?;
         let mut face = None;
-        let mut most = SLANTED;
+        let mut closest = SLANTED;
         self.solid.faces(place, &mut |height, normal| {
             let alike = normal.dot(last.normal);
-            let is_it = alike > PLANE || alike > most && normal.dot(other) > -INWARD;
-            if is_it && height.abs() <= reach.shallow() {
-                (most, face) = (alike, Some((height, normal)));
+            let is_beside = alike > closest && normal.dot(other) > -INWARD;
+            if (alike > PLANE || is_beside) && height.abs() <= reach.shallow() {
+                (closest, face) = (alike, Some((height, normal)));
             }
         });
         face
     }
 
+    /// The motion of a substep, or so much longer, by a factor, that it shows where it leads; `None` for none.
+    fn long_way(&self, motion: DVec3) -> Option<(DVec3, f64)> {
+        let length = motion.length();
+        let longer = (20.0 * self.site.reach.touching / length).max(1.0);
+        (length > 0.0).then_some((motion * longer, longer))
+    }
+
     /// Where a node that moves so in the substep, `gap` m away, goes by what it lies on or comes to first.
-    pub(super) fn held(&self, place: DVec3, motion: DVec3, gap: f64) -> Held {
+    pub(super) fn course(&self, place: DVec3, motion: DVec3, gap: f64) -> Course {
         let Self {
             solid,
             target,
@@ -117,26 +125,22 @@ impl Making<'_, '_> {
             site,
             ..
         } = self;
-        let touching = site.reach.touching;
-        let length = motion.length();
-        if length <= 0.0 || length.is_nan() {
-            return Held::Not;
-        }
-        let longer = (20.0 * touching / length).max(1.0);
-        let whole = (motion * longer, longer * site.reach.h);
-        let held = site.beside.held((*frame, site.shadow), place, whole, gap);
+        let held = self.long_way(motion).and_then(|(way, longer)| {
+            let whole = (way, longer * site.reach.h);
+            site.beside.held((*frame, site.shadow), place, whole, gap)
+        });
         let Some([from, to]) = held else {
-            return Held::Not;
+            return Course::Here;
         };
         // What else pushes it may take it farther.
         let (least, there) = solid.nearest_on_path(from, from + (to - from) * 2.0);
         let lifted = (from - place).normalize_or_zero();
         if least < target.skin && there.dot(lifted) < -INWARD {
-            Held::Between
-        } else if solid.is_off(from, to, target.skin - touching) {
-            Held::Beside
+            Course::Between
+        } else if solid.is_off(from, to, target.skin - site.reach.touching) {
+            Course::Past
         } else {
-            Held::Not
+            Course::Here
         }
     }
 
@@ -161,21 +165,18 @@ impl Making<'_, '_> {
         let Reach {
             touching, slack, ..
         } = site.reach;
-        let length = motion.length();
-        if length <= 0.0 || length.is_nan() {
+        let Some((way, _)) = self.long_way(motion) else {
             return false;
-        }
-        let longer = (20.0 * touching / length).max(1.0);
-        let way = motion * longer;
+        };
         let closing = -way.dot(normal);
         if gap > closing {
             return false;
         }
         // What is nearer holds it before it can come here.
-        match self.held(place, motion, gap) {
-            Held::Between => return false,
-            Held::Beside => return true,
-            Held::Not => {}
+        match self.course(place, motion, gap) {
+            Course::Between => return false,
+            Course::Past => return true,
+            Course::Here => {}
         }
         let (mut nearest, mut there) = solid.nearest_on_path(place, place + way);
         if solid.is_hollow() && nearest <= touching && there.dot(normal) < SAME {
