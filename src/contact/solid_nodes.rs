@@ -15,7 +15,6 @@ use super::watch::Watch;
 use crate::body::state::State;
 use crate::math::{DVec3, Real};
 use crate::solve::rows::{Row, Rows};
-use rims::Course;
 
 /// The nodes of one body near one solid, and what is remembered of those that touch it.
 #[derive(Clone, Debug, Default)]
@@ -146,15 +145,14 @@ impl Making<'_, '_> {
                 skin: target.skin,
                 touched: last.is_some(),
             };
-            let motion = frame.axes.transpose() * (slip + gain) * self.site.reach.h;
-            let touches_others = self.site.beside.touched(frame, i).next().is_some();
-            let is_between =
-                touches_others && self.course(place, motion, -depth) == Course::Between;
             let around = || self.site.side.around(i, frame);
             let velocity = self.site.side.state.velocity(i as usize);
             let way = |point| self.site.way(velocity, frame, point);
             let turn = frame.axes.transpose() * roll.turn(self.site.reach.h);
-            if !is_between && pushed.lies_beside(solid, &self.site.reach, around, (way, turn)) {
+            let motion = frame.axes.transpose() * (slip + gain) * self.site.reach.h;
+            if pushed.lies_beside(solid, &self.site.reach, around, (way, turn))
+                && !self.is_between(i, place, motion, -depth)
+            {
                 return None;
             }
         }

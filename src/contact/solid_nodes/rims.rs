@@ -8,7 +8,7 @@ use crate::math::DVec3;
 
 /// Where a node goes along other solids that hold it.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Course {
+enum Course {
     /// None holds it, or they lead it to this solid.
     Here,
     /// Past this solid.
@@ -52,15 +52,15 @@ impl Making<'_, '_> {
         if near < 2 {
             return nearest;
         }
-        if is_face && let Some(face) = notch() {
-            return face;
-        }
         let is_open = |way: &(f64, DVec3)| !beside.hides(self.frame, place, *way);
         if let Some(kept) = kept.filter(is_open) {
             return kept;
         }
         if is_open(&nearest) {
             return nearest;
+        }
+        if is_face && let Some(face) = notch() {
+            return face;
         }
         // The nearest that is open, or where none is, as at the foot of a box, the one that has most room. None leads in between
         // two faces that look at each other.
@@ -117,7 +117,7 @@ impl Making<'_, '_> {
     }
 
     /// Where a node that moves so in the substep, `gap` m away, goes by what it lies on or comes to first.
-    pub(super) fn course(&self, place: DVec3, motion: DVec3, gap: f64) -> Course {
+    fn course(&self, place: DVec3, motion: DVec3, gap: f64) -> Course {
         let Self {
             solid,
             target,
@@ -142,6 +142,12 @@ impl Making<'_, '_> {
         } else {
             Course::Here
         }
+    }
+
+    /// Whether a node that touches another solid goes in between that and this one, `gap` m away.
+    pub(super) fn is_between(&self, i: u32, place: DVec3, motion: DVec3, gap: f64) -> bool {
+        let touches_others = self.site.beside.touched(self.frame, i).next().is_some();
+        touches_others && self.course(place, motion, gap) == Course::Between
     }
 
     /// Whether a node that would go through the tangent plane of the nearest point, `gap` m away, goes past the solid instead, or
