@@ -135,7 +135,7 @@ impl Touches {
     }
 
     /// The normals that points had whose keys begin like this and that touched last.
-    pub fn of(&self, start: [u32; 2]) -> impl Iterator<Item = DVec3> {
+    pub fn normals_of(&self, start: [u32; 2]) -> impl Iterator<Item = DVec3> {
         self.beginning(start).map(|t| t.normal)
     }
 

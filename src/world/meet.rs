@@ -221,7 +221,7 @@ fn swept(handle: DeformableHandle, body: &Deformable, search: &Search) -> Swept 
     let spacing = if spacing.is_finite() { spacing } else { 0.0 };
     let mut swept = Swept {
         slot: handle.key().0,
-        bounds: body.box_within(spacing.max(body.surface().thickness.into())),
+        bounds: body.box_within(spacing.max(2.0 * body.half_thickness())),
         speed,
     };
     swept.be_struck(search);

@@ -33,7 +33,7 @@ impl Making<'_, '_> {
         let is_same = last.is_none() || touched(nearest.1);
         let is_face = last.is_some_and(|touch| nearest.1.dot(touch.normal) > PLANE);
         let notch = || self.notch(i, place, nearest, last?);
-        // Beyond the bottom of a notch a node may be farther out than what counts as touching.
+        // Looked for first: beyond the bottom of a notch a node may be farther out than what counts as touching.
         if !is_face && let Some(face) = notch() {
             return face;
         }
@@ -94,7 +94,10 @@ impl Making<'_, '_> {
             return None;
         }
         let crosses = |normal: &DVec3| normal.dot(last.normal) < SAME;
-        let parts = self.solid.is_hollow().then(|| self.touches.of([0, i]));
+        let parts = self
+            .solid
+            .is_hollow()
+            .then(|| self.touches.normals_of([0, i]));
         let others = beside.touched(self.frame, i);
         let other = others.chain(parts.into_iter().flatten()).find(crosses)?;
         let mut face = None;
@@ -118,26 +121,21 @@ impl Making<'_, '_> {
 
     /// Where a node that moves so in the substep, `gap` m away, goes by what it lies on or comes to first.
     fn course(&self, place: DVec3, motion: DVec3, gap: f64) -> Course {
-        let Self {
-            solid,
-            target,
-            frame,
-            site,
-            ..
-        } = self;
+        let (site, skin) = (&*self.site, self.target.skin);
         let held = self.long_way(motion).and_then(|(way, longer)| {
             let whole = (way, longer * site.reach.h);
-            site.beside.held((*frame, site.shadow), place, whole, gap)
+            let by = (self.frame, site.shadow);
+            site.beside.held(by, place, whole, gap)
         });
         let Some([from, to]) = held else {
             return Course::Here;
         };
         // What else pushes it may take it farther.
-        let (least, there) = solid.nearest_on_path(from, from + (to - from) * 2.0);
+        let (least, there) = self.solid.nearest_on_path(from, from + (to - from) * 2.0);
         let lifted = (from - place).normalize_or_zero();
-        if least < target.skin && there.dot(lifted) < -INWARD {
+        if least < skin && there.dot(lifted) < -INWARD {
             Course::Between
-        } else if solid.is_off(from, to, target.skin - site.reach.touching) {
+        } else if self.solid.is_off(from, to, skin - site.reach.touching) {
             Course::Past
         } else {
             Course::Here

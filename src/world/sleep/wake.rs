@@ -67,7 +67,7 @@ impl DeformableWorld {
         gate: &mut Gate,
     ) -> Option<Sleeper> {
         let body = self.get(deformable)?;
-        let thickness = f64::from(body.surface().thickness);
+        let thickness = 2.0 * body.half_thickness();
         let bounds = body.box_within(NEAR * search.parts.length_unit() + thickness);
         let neighbours = self.neighbours(deformable, &bounds, search, gate)?;
         Some(Sleeper {

@@ -1,4 +1,4 @@
-//! Ropes on the seams of floors that are put together from pieces which share no vertices: nothing falls in between.
+//! Seams of floors and troughs that are put together from pieces which share no vertices: nothing falls in between.
 
 use crumple::body::{Net, Node};
 use crumple::prelude::*;
@@ -386,8 +386,8 @@ fn what_is_shot_at_joints_stays_above_them() {
     }
 }
 
-/// Two boxes, apart or of one compound, whose upper rims meet at the bottom of a trough, and below it gape: a node that lies there is within rounding of the
-/// undersides of both, and once went through.
+/// Two boxes, apart or of one compound, whose upper rims meet at the bottom of a trough, and below it gape: a node that lies there
+/// is within rounding of the undersides of both, and once went through.
 #[test]
 fn nothing_falls_through_where_boxes_meet_in_a_line() {
     let v = Vector::new;
@@ -412,21 +412,16 @@ fn nothing_falls_through_where_boxes_meet_in_a_line() {
         .into_iter()
         .flat_map(|degrees| [(degrees, false), (degrees, true)])
     {
-        let side = |sign: f32| {
+        let sides = [-1.0, 1.0].map(|sign| {
             let turn = Rotation::from_rotation_z(sign * degrees.to_radians());
-            Pose::from_parts(turn * v(sign * 0.4, -0.1, 0.0), turn)
-        };
-        let half = v(0.4, 0.1, 0.6);
-        let apart = [-1.0, 1.0].map(|sign| {
-            let builder = ColliderBuilder::cuboid(half.x, half.y, half.z);
-            builder.position(side(sign))
+            let pose = Pose::from_parts(turn * v(sign * 0.4, -0.1, 0.0), turn);
+            (pose, SharedShape::cuboid(0.4, 0.1, 0.6))
         });
-        let parts =
-            [-1.0, 1.0].map(|sign| (side(sign), SharedShape::cuboid(half.x, half.y, half.z)));
         let trough = if whole {
-            vec![ColliderBuilder::compound(parts.to_vec())]
+            vec![ColliderBuilder::compound(sides.to_vec())]
         } else {
-            apart.to_vec()
+            let apart = |(pose, side)| ColliderBuilder::new(side).position(pose);
+            sides.map(apart).to_vec()
         };
         for (name, body) in &bodies {
             // What no spring joins has the longest of substeps, and slips through a compound.
