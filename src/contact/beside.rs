@@ -132,11 +132,6 @@ impl Beside<'_> {
         let end = place + normal * (self.reach.touching - height);
         self.distance(frame, end, self.reach.touching)
     }
-
-    /// Whether that way ends in another solid, or on its surface: what lies there is no face of both together.
-    pub fn hides(&self, frame: &Frame, place: DVec3, way: (f64, DVec3)) -> bool {
-        self.room(frame, place, way) < 0.5 * self.reach.touching
-    }
 }
 
 /// Cosine of an angle within which two normals are of one face.

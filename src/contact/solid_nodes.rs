@@ -151,7 +151,7 @@ impl Making<'_, '_> {
             let turn = frame.axes.transpose() * roll.turn(self.site.reach.h);
             let motion = frame.axes.transpose() * (slip + gain) * self.site.reach.h;
             if pushed.lies_beside(solid, &self.site.reach, around, (way, turn))
-                && !self.is_between(i, place, motion, -depth)
+                && !self.is_between(i, place, motion, (-depth, normal))
             {
                 return None;
             }

@@ -64,7 +64,6 @@ impl Deformable {
             solver,
             ..
         } = self;
-        let forces = &solver.forces;
         let carrier = |bindings| Carrier {
             body,
             nodes: state,
@@ -75,7 +74,7 @@ impl Deformable {
                 state,
                 topology,
                 carrier: carrier(None),
-                forces,
+                solver,
             },
             Some(e) => {
                 let Embedded {
@@ -85,7 +84,7 @@ impl Deformable {
                     state,
                     topology,
                     carrier: carrier(Some(&e.bindings)),
-                    forces,
+                    solver,
                 }
             }
         };

@@ -9,8 +9,10 @@ use crate::math::DVec3;
 /// Where a node goes along other solids that hold it.
 #[derive(Clone, Copy, PartialEq)]
 enum Course {
-    /// None holds it, or they lead it to this solid.
+    /// None holds it, or they may lead it to this solid.
     Here,
+    /// Into the nearest face of this solid.
+    Into,
     /// Past this solid.
     Past,
     /// In between this solid and what holds it, which touch with faces that look at each other: there is no way.
@@ -52,12 +54,18 @@ impl Making<'_, '_> {
         if near < 2 {
             return nearest;
         }
-        let is_open = |way: &(f64, DVec3)| !beside.hides(self.frame, place, *way);
-        if let Some(kept) = kept.filter(is_open) {
+        let room = |way| beside.room(self.frame, place, way);
+        let is_open = |room: f64| room >= 0.5 * reach.touching;
+        let kept = kept.map(|way| (room(way), way));
+        if let Some((_, kept)) = kept.filter(|(room, _)| is_open(*room)) {
             return kept;
         }
-        if is_open(&nearest) {
+        let most = room(nearest);
+        if is_open(most) {
             return nearest;
+        }
+        if let Some((_, kept)) = kept.filter(|(room, _)| *room > most) {
+            return kept;
         }
         if is_face && let Some(face) = notch() {
             return face;
@@ -66,11 +74,10 @@ impl Making<'_, '_> {
         // two faces that look at each other.
         let facing = beside.nearest(self.frame, place, reach.shallow());
         let looks_at = |normal: DVec3| facing.is_some_and(|(_, n)| normal.dot(n) < -INWARD);
-        let mut best = (beside.room(self.frame, place, nearest), nearest);
+        let mut best = (most, nearest);
         self.solid.exits(place, &mut |height, normal| {
             if is_near(height, normal) && !looks_at(normal) {
-                let room = beside.room(self.frame, place, (height, normal));
-                let room = room.min(0.5 * reach.touching);
+                let room = room((height, normal)).min(0.5 * reach.touching);
                 if room > best.0 || (room == best.0 && height > best.1.0) {
                     best = (room, (height, normal));
                 }
@@ -90,7 +97,7 @@ impl Making<'_, '_> {
         last: Touch,
     ) -> Option<(f64, DVec3)> {
         let Site { reach, beside, .. } = &*self.site;
-        if nearest.0.abs() > reach.shallow() {
+        if nearest.0.abs() > reach.shallow() / STEEPEST {
             return None;
         }
         let crosses = |normal: &DVec3| normal.dot(last.normal) < SAME;
@@ -100,6 +107,11 @@ impl Making<'_, '_> {
             .then(|| self.touches.normals_of([0, i]));
         let others = beside.touched(self.frame, i);
         let other = others.chain(parts.into_iter().flatten()).find(crosses)?;
+        // Who has sunk so far below the line where the faces meet is less deep under them.
+        let share = (0.5 * (last.normal + other).length()).max(STEEPEST);
+        if nearest.0.abs() > reach.shallow() / share {
+            return None;
+        }
         let mut face = None;
         let mut closest = SLANTED;
         self.solid.faces(place, &mut |height, normal| {
@@ -119,8 +131,8 @@ impl Making<'_, '_> {
         (length > 0.0).then_some((motion * longer, longer))
     }
 
-    /// Where a node that moves so in the substep, `gap` m away, goes by what it lies on or comes to first.
-    fn course(&self, place: DVec3, motion: DVec3, gap: f64) -> Course {
+    /// Where a node that moves so in the substep, `gap` m away from a face with this normal, goes by what it lies on or comes to first.
+    fn course(&self, place: DVec3, motion: DVec3, (gap, normal): (f64, DVec3)) -> Course {
         let (site, skin) = (&*self.site, self.target.skin);
         let held = self.long_way(motion).and_then(|(way, longer)| {
             let whole = (way, longer * site.reach.h);
@@ -137,15 +149,27 @@ impl Making<'_, '_> {
             Course::Between
         } else if self.solid.is_off(from, to, skin - site.reach.touching) {
             Course::Past
+        } else if self
+            .solid
+            .cast(from, to)
+            .is_some_and(|(_, n)| n.dot(normal) > SAME)
+        {
+            Course::Into
         } else {
             Course::Here
         }
     }
 
     /// Whether a node that touches another solid goes in between that and this one, `gap` m away.
-    pub(super) fn is_between(&self, i: u32, place: DVec3, motion: DVec3, gap: f64) -> bool {
+    pub(super) fn is_between(
+        &self,
+        i: u32,
+        place: DVec3,
+        motion: DVec3,
+        face: (f64, DVec3),
+    ) -> bool {
         let touches_others = self.site.beside.touched(self.frame, i).next().is_some();
-        touches_others && self.course(place, motion, gap) == Course::Between
+        touches_others && self.course(place, motion, face) == Course::Between
     }
 
     /// Whether a node that would go through the tangent plane of the nearest point, `gap` m away, goes past the solid instead, or
@@ -177,8 +201,8 @@ impl Making<'_, '_> {
             return false;
         }
         // What is nearer holds it before it can come here.
-        match self.course(place, motion, gap) {
-            Course::Between => return false,
+        match self.course(place, motion, (gap, normal)) {
+            Course::Between | Course::Into => return false,
             Course::Past => return true,
             Course::Here => {}
         }
@@ -216,6 +240,9 @@ impl Making<'_, '_> {
 
 /// Cosine of an angle within which the normal at a rim may be of one of its faces.
 const SLANTED: f64 = 0.3;
+
+/// Cosine of the slope of the sides of a notch, up to which it is told how deep a node is in there by how deep it is under them.
+const STEEPEST: f64 = 0.2;
 
 /// The sine by which what is beside a node goes behind a face at least to be behind it.
 const INWARD: f64 = 0.1;
