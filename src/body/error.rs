@@ -61,7 +61,7 @@ pub enum BuildError {
         node: u32,
     },
     /// A spring, a face or a skin names a node that does not exist.
-    #[error("{what} {index} names node {node}, but the body has {count} nodes (0 to {})", count - 1)]
+    #[error("{what} {index} names node {node}, but there are {count}{}", up_to(*count))]
     IndexOutOfRange {
         /// "spring", "face" or "skin vertex".
         what: &'static str,
@@ -71,6 +71,14 @@ pub enum BuildError {
         node: u32,
         /// How many nodes there are.
         count: u32,
+    },
+    /// A material of a region is refused.
+    #[error("material {region} of `material_where`: {refused}")]
+    Region {
+        /// Which of them, from 0 on.
+        region: usize,
+        /// Why.
+        refused: Box<BuildError>,
     },
     /// A spring made from a section has no material to take its constants from.
     #[error(
@@ -249,6 +257,12 @@ fn named(tets: &[(u32, f64)]) -> String {
         .map(|(tet, volume)| format!("tet {tet} ({volume:.3e} m³)"))
         .collect();
     each.join(", ")
+}
+
+/// The numbers of so many nodes, in brackets.
+fn up_to(count: u32) -> String {
+    let last = count.checked_sub(1);
+    last.map_or(String::new(), |last| format!(" (0 to {last})"))
 }
 
 const POSITIVE: &str = "a positive finite number";

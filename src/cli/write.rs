@@ -62,8 +62,12 @@ pub fn draw_pictures(run: &Run, out: &Path) -> Result<(), Failure> {
     }
     let solid = |(_, body): (_, &Deformable)| body.tet_count() > 0;
     if run.deformables.iter().any(solid) {
-        stage.label = "von Mises stress over E";
-        stage.max_strain = f64::from(largest);
+        stage.label = if run.deformables.iter().all(solid) {
+            "von Mises stress over E"
+        } else {
+            "von Mises stress over E; springs: plastic strain"
+        };
+        stage.max_strain = round_up(f64::from(largest));
     }
     let name = run.cast.deformables.first();
     let name = name.map_or("scene", |(n, _)| n.as_str());
@@ -84,6 +88,17 @@ pub fn draw_pictures(run: &Run, out: &Path) -> Result<(), Failure> {
     }
     contact_sheet(&pictures, 2).save_png(&out.join(format!("{name}.png")))?;
     Ok(())
+}
+
+/// The next of 1, 2, 4 and 8 times a power of ten: quarters of it are short.
+fn round_up(largest: f64) -> f64 {
+    if largest <= 0.0 {
+        return 0.0;
+    }
+    let decade = 10.0_f64.powf(largest.log10().floor());
+    let steps = [1.0, 2.0, 4.0, 8.0, 10.0].map(|step| step * decade);
+    let fits = |step: &f64| largest <= *step;
+    steps.into_iter().find(fits).unwrap_or(largest)
 }
 
 /// How many decimals tell all these numbers from each other; none where some are equal.

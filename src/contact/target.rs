@@ -1,7 +1,10 @@
 //! Which colliders a deformable may touch, by Rapier's own rules, and how they are seen.
 
+use super::encounter::outline;
 use super::form::{Form, Forms};
+use crate::body::error::{not_negative, positive};
 use crate::body::state::State;
+use crate::body::{Blueprint, BuildError};
 use crate::law::row::{Lift, Turn, softness};
 use crate::math::{DMat3, DQuat, DVec3, Real, Rotation};
 use crate::solve::rows::{Row, Terms};
@@ -15,7 +18,7 @@ use rapier3d::geometry::{Collider, ColliderHandle, InteractionGroups, SharedShap
     feature = "serde-serialize",
     derive(serde::Serialize, serde::Deserialize)
 )]
-pub struct Surface {
+pub struct SurfaceProperties {
     /// Coulomb's μ of this side.
     pub friction: Real,
     /// How it combines with the collider's; the stronger rule wins, as everywhere in Rapier.
@@ -40,7 +43,7 @@ pub struct Surface {
     pub contact_force_event_threshold: Option<Real>,
 }
 
-impl Default for Surface {
+impl Default for SurfaceProperties {
     fn default() -> Self {
         Self {
             friction: 0.5,
@@ -52,6 +55,32 @@ impl Default for Surface {
             dominance_group: 0,
             contact_force_event_threshold: None,
         }
+    }
+}
+
+impl SurfaceProperties {
+    /// Whether all values are what they may be.
+    pub(crate) fn check(&self) -> Result<(), BuildError> {
+        not_negative("the friction coefficient", self.friction.into())?;
+        if let Some(threshold) = self.contact_force_event_threshold {
+            not_negative("the threshold of force events", threshold.into())?;
+        }
+        not_negative("the thickness", self.thickness.into())?;
+        if let Some(stiffness) = self.stiffness {
+            positive("the contact stiffness", stiffness.into())?;
+        }
+        Ok(())
+    }
+
+    /// Whether it is thin enough for what touches: half of the spacing of its nodes at most.
+    pub(crate) fn check_thickness(&self, touching: &Blueprint) -> Result<(), BuildError> {
+        let thickness = f64::from(self.thickness);
+        let limit = 0.5 * outline::spacing(touching);
+        // Places of nodes are rounded.
+        if thickness > limit * (1.0 + 1e-5) {
+            return Err(BuildError::TooThick { thickness, limit });
+        }
+        Ok(())
     }
 }
 
@@ -183,7 +212,7 @@ pub fn wide_rotation(r: Rotation) -> DQuat {
 /// Whether Rapier's rules let a deformable meet this collider: both enabled, none of Rapier's own soft bodies, collision
 /// groups that agree. A deformable counts as a dynamic body
 /// with the usual collision types, and Rapier asks for the agreement of one side only, so the collider's do not matter.
-pub fn admits(collider: &Collider, body: Option<&RigidBody>, surface: &Surface) -> bool {
+pub fn admits(collider: &Collider, body: Option<&RigidBody>, surface: &SurfaceProperties) -> bool {
     is_on(collider, body)
         && body.is_none_or(|b| !b.is_soft_frame())
         && collider.deformable_mesh_ref().is_none()
@@ -206,12 +235,12 @@ pub fn is_on(collider: &Collider, body: Option<&RigidBody>) -> bool {
 }
 
 /// Whether an admitted collider pushes. Sensors, and those of solver groups that don't agree, only notice.
-pub fn pushes(collider: &Collider, surface: &Surface) -> bool {
+pub fn pushes(collider: &Collider, surface: &SurfaceProperties) -> bool {
     !collider.is_sensor() && surface.solver_groups.test(collider.solver_groups())
 }
 
 /// Half the thickness of a surface \[m\].
-pub fn half_thickness(surface: &Surface) -> f64 {
+pub fn half_thickness(surface: &SurfaceProperties) -> f64 {
     0.5 * thickness(surface.thickness)
 }
 
@@ -240,7 +269,7 @@ pub fn target(
     handle: ColliderHandle,
     collider: &Collider,
     bodies: &RigidBodySet,
-    surface: &Surface,
+    surface: &SurfaceProperties,
     forms: &mut Forms,
 ) -> Option<Target> {
     let form = forms.of(collider.shared_shape())?;
@@ -303,7 +332,7 @@ mod tests {
             .expect("a hull")
             .density(0.0);
         let hull = colliders.insert_with_parent(hull, body, &mut bodies);
-        let surface = Surface::default();
+        let surface = SurfaceProperties::default();
         let target = target(
             hull,
             &colliders[hull],

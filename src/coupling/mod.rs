@@ -12,6 +12,6 @@ pub mod flight;
 pub mod handover;
 pub mod linkage;
 pub mod memory;
-pub mod nearest;
 pub mod observe;
+pub mod pivot;
 pub mod ties;

@@ -38,8 +38,8 @@ pub struct Closure {
 }
 
 impl Closure {
-    /// |Σ impulses − Δp| over the largest |Δp| so far \[1\]. Node forces, force fields, drag, mass damping and pinned nodes
-    /// are not in the sum, so a body that has them does not close.
+    /// |Σ impulses − Δp| over the largest |Δp| so far \[1\]. Node forces, force fields, drag, mass damping, pinned nodes
+    /// and changes of mass or velocity by hand are not in the sum, so a body that has them does not close.
     pub fn error(&self) -> f64 {
         let defect = self.contact + self.attachment + self.gravity - self.change;
         defect.length() / self.scale.max(f64::MIN_POSITIVE)
@@ -57,13 +57,15 @@ pub struct BodyRecord {
     pub channels: Vec<Channel>,
     /// Centre of mass.
     pub center: Moments,
+    /// Momentum at the times of `center` \[N·s\].
+    pub momenta: Vec<DVec3>,
     /// Lower and upper corner of the nodes at the times of `center` \[m\].
     pub bounds: Vec<[DVec3; 2]>,
     /// Energies.
     pub ledger: Vec<LedgerSample>,
     /// Impulses and momentum at the last sample of `center`.
     pub closure: Closure,
-    /// Mass \[kg\].
+    /// Mass at the last sample of `center` \[kg\].
     pub mass: f64,
     start: DVec3,
     sums: [DVec3; 3],
@@ -80,6 +82,7 @@ impl BodyRecord {
             edges: vec![time],
             channels: Vec::new(),
             center: Moments::default(),
+            momenta: Vec::new(),
             bounds: Vec::new(),
             ledger: Vec::new(),
             closure: Closure::default(),
@@ -156,8 +159,10 @@ impl BodyRecord {
 
     fn sample(&mut self, body: &Deformable, time: f64) {
         let momentum = body.momentum();
+        self.mass = body.mass();
         self.center
             .push(time, body.center_of_mass(), momentum / self.mass);
+        self.momenta.push(momentum);
         let (lo, hi) = body.bounds();
         self.bounds.push([lo, hi]);
         let change = momentum + body.momentum_lost_in_sleep() - self.start;

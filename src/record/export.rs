@@ -6,6 +6,8 @@ use super::csv::{CsvError, write_csv};
 use super::history::Moments;
 use super::recorder::Recorder;
 use super::stress::TetSet;
+use crate::math::DVec3;
+use crate::solve::fem::Stress;
 use crate::world::SpringEventKind;
 use std::path::Path;
 
@@ -22,28 +24,48 @@ fn write(path: &Path, columns: &Columns) -> Result<(), CsvError> {
     write_csv(path, &borrowed)
 }
 
-fn vectors(columns: &mut Columns, name: &str, unit: &str, values: &[crate::math::DVec3]) {
+fn vectors(columns: &mut Columns, name: &str, unit: &str, values: &[DVec3]) {
     for (k, axis) in AXES.iter().enumerate() {
         let along = values.iter().map(|v| v.to_array()[k]).collect();
         columns.push((format!("{name}_{axis}_{unit}"), along));
     }
 }
 
-fn moments(columns: &mut Columns, name: &str, m: &Moments) {
-    vectors(columns, name, "m", &m.positions);
-    vectors(columns, &format!("{name}_v"), "mps", &m.velocities);
+/// Which sample belongs to each row of a table, if any does; the times of both ascend.
+fn samples(rows: &[f64], times: &[f64]) -> Vec<Option<usize>> {
+    let mut next = 0;
+    let of = |row: &f64| {
+        next += times[next..].iter().take_while(|t| *t < row).count();
+        (times.get(next) == Some(row)).then_some(next)
+    };
+    rows.iter().map(of).collect()
 }
 
-fn stresses(columns: &mut Columns, set: &TetSet) {
+fn moments(columns: &mut Columns, name: &str, m: &Moments, rows: &[f64]) {
+    let samples = samples(rows, &m.times);
+    for (name, unit, values) in [
+        (name.to_owned(), "m", &m.positions),
+        (format!("{name}_v"), "mps", &m.velocities),
+    ] {
+        let at = |i: &Option<usize>| i.map_or(DVec3::NAN, |i| values[i]);
+        let column: Vec<DVec3> = samples.iter().map(at).collect();
+        vectors(columns, &name, unit, &column);
+    }
+}
+
+fn stresses(columns: &mut Columns, set: &TetSet, rows: &[f64]) {
     let entries = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
-    let all = || set.stresses.iter();
-    let von_mises = all().map(|s| s.von_mises).collect();
-    columns.push((format!("{}_von_mises_pa", set.name), von_mises));
+    let samples = samples(rows, &set.times);
+    let all = |of: &dyn Fn(&Stress) -> f64| {
+        let at = |i: &Option<usize>| i.map_or(f64::NAN, |i| of(&set.stresses[i]));
+        samples.iter().map(at).collect()
+    };
+    columns.push((format!("{}_von_mises_pa", set.name), all(&|s| s.von_mises)));
     for (i, j) in entries {
         let axes = format!("{}{}", AXES[i], AXES[j]);
-        let stress = all().map(|s| s.cauchy[i][j]).collect();
+        let stress = all(&|s| s.cauchy[i][j]);
         columns.push((format!("{}_stress_{axes}_pa", set.name), stress));
-        let strain = all().map(|s| s.strain[i][j]).collect();
+        let strain = all(&|s| s.strain[i][j]);
         columns.push((format!("{}_strain_{axes}", set.name), strain));
     }
 }
@@ -123,33 +145,28 @@ impl BodyRecord {
 }
 
 impl Recorder {
-    /// Writes the history of a deformable: centre of mass, bounds, and the node sets that belong to it.
+    /// Writes the history of a deformable: centre of mass, momentum, bounds, and the sets of nodes and tets that belong to it. A set that was
+    /// followed later has no values (`NaN`) before.
     ///
     /// # Errors
     /// [`CsvError`].
     pub fn write_history(&self, body: &BodyRecord, path: &Path) -> Result<(), CsvError> {
-        let mut columns: Columns = vec![("time_s".into(), body.center.times.clone())];
-        moments(&mut columns, "com", &body.center);
-        let momentum: Vec<_> = body
-            .center
-            .velocities
-            .iter()
-            .map(|v| *v * body.mass)
-            .collect();
-        vectors(&mut columns, "momentum", "ns", &momentum);
+        let times = &body.center.times;
+        let mut columns: Columns = vec![("time_s".into(), times.clone())];
+        moments(&mut columns, "com", &body.center, times);
+        vectors(&mut columns, "momentum", "ns", &body.momenta);
         for (k, name) in ["low", "high"].into_iter().enumerate() {
             let corner: Vec<_> = body.bounds.iter().map(|b| b[k]).collect();
             vectors(&mut columns, name, "m", &corner);
         }
         for set in &self.sets {
-            // A set that was followed later has samples of its own times only.
-            if set.deformable == body.deformable && set.history.times == body.center.times {
-                moments(&mut columns, &set.name, &set.history);
+            if set.deformable == body.deformable {
+                moments(&mut columns, &set.name, &set.history, times);
             }
         }
         for set in &self.tet_sets {
-            if set.deformable == body.deformable && set.times == body.center.times {
-                stresses(&mut columns, set);
+            if set.deformable == body.deformable {
+                stresses(&mut columns, set, times);
             }
         }
         write(path, &columns)

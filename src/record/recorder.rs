@@ -92,7 +92,8 @@ impl Recorder {
         (self.bodies.len() - 1, true)
     }
 
-    /// Follows the mean of a set of nodes from now on; returns its index in [`Self::sets`].
+    /// Follows the mean of a set of nodes from now on; returns its index in [`Self::sets`]. What is recorded of its body begins
+    /// now, if it has not yet.
     ///
     /// # Errors
     /// [`RecordError`] for an unknown deformable or a set without existing nodes.
@@ -116,11 +117,13 @@ impl Recorder {
         if set.history.times.is_empty() {
             return Err(RecordError::NoNodes(set.name));
         }
+        self.place(deformable, body, world.time());
         self.sets.push(set);
         Ok(self.sets.len() - 1)
     }
 
-    /// Follows the mean stress and strain of a set of tets from now on; returns its index in [`Self::tet_sets`].
+    /// Follows the mean stress and strain of a set of tets from now on; returns its index in [`Self::tet_sets`]. What is recorded
+    /// of its body begins now, if it has not yet.
     ///
     /// # Errors
     /// [`RecordError`] for an unknown deformable or a set without existing tets.
@@ -139,6 +142,7 @@ impl Recorder {
             return Err(RecordError::NoTets(set.name));
         }
         set.sample(body, world.time());
+        self.place(deformable, body, world.time());
         self.tet_sets.push(set);
         Ok(self.tet_sets.len() - 1)
     }

@@ -6,7 +6,7 @@ use super::{AttachmentHandle, Deformable, DeformableHandle, DeformableWorld, Rap
 use crate::contact::target::wide_rotation;
 use crate::coupling::attach::{Bond, Hold, Load, Part, Point};
 use crate::coupling::memory::BodyMemory;
-use crate::coupling::nearest::{nearest, pivot};
+use crate::coupling::pivot::pivot;
 use crate::math::{DQuat, DVec3, wide};
 use rapier3d::dynamics::{RigidBody, RigidBodyHandle, RigidBodySet};
 use std::collections::BTreeMap;
@@ -24,7 +24,7 @@ const FACE_GAP: f64 = 0.05;
 impl DeformableWorld {
     /// Attaches nodes of a deformable to a rigid body, another deformable or the world ([`AttachTo::World`]), both ways. A
     /// slice of nodes is a weld. To a deformable, each node is held at the nearest point of its faces, of its springs where
-    /// it has none, or of its nodes.
+    /// it has none, or of its nodes that no spring holds; torn faces and broken springs are passed by.
     ///
     /// While either side is disabled nothing is held; a node that has been moved meanwhile, or teleported, or whose body
     /// was, is led back at [`push_out_speed`](super::DeformableParameters::push_out_speed). Removing either side removes the
@@ -292,14 +292,9 @@ fn checked(a: &Attachment) -> Result<Hold, AttachError> {
             return Err(value(what, x, "positive, 0 or infinite"));
         }
     }
-    if let Some(at) = a.at
-        && !at.is_finite()
-    {
-        return Err(value(
-            "a coordinate of the pivot",
-            at.x + at.y + at.z,
-            "finite",
-        ));
+    let mut pivot = a.at.iter().flat_map(|at| at.to_array());
+    if let Some(x) = pivot.find(|x| !x.is_finite()) {
+        return Err(value("a coordinate of the pivot", x, "finite"));
     }
     let Hold::Link { stiffness, .. } = a.hold else {
         return match a.damping {
@@ -368,34 +363,28 @@ fn held_points(
 /// Holds a point at the nearest one of another deformable.
 fn stick(point: &mut Point, other: &Deformable) -> Result<(), AttachError> {
     let node = point.parts[0].node;
-    let found = nearest(&other.blueprint, &other.state, point.anchor);
-    let Some(found) = found.filter(|f| f.distance.is_finite()) else {
-        let (distance, limit) = (f64::INFINITY, CLOSE);
-        return Err(AttachError::TooFar {
-            node,
-            distance,
-            limit,
-        });
+    let too_far = |distance, limit| AttachError::TooFar {
+        node,
+        distance,
+        limit,
     };
-    let limit = if found.edge > 0.0 {
-        FACE_GAP * found.edge
-    } else {
-        CLOSE
-    };
+    let search = other.search(0.0);
+    let found = search.nearest(point.anchor - other.state.origin, f64::INFINITY);
+    let found = found.filter(|f| f.distance.is_finite());
+    let found = found.ok_or(too_far(f64::INFINITY, CLOSE))?;
+    let [a, b, c] = search.corners(found.at.feature);
+    let edge = a.distance(b).max(b.distance(c)).max(c.distance(a));
+    let limit = if edge > 0.0 { FACE_GAP * edge } else { CLOSE };
     if found.distance > limit {
-        return Err(AttachError::TooFar {
-            node,
-            distance: found.distance,
-            limit,
-        });
+        return Err(too_far(found.distance, limit));
     }
-    point
-        .parts
-        .extend(found.weights.into_iter().map(|(node, weight)| Part {
-            other: true,
-            node,
-            weight: -weight,
-        }));
+    let weighted = found.at.nodes.into_iter().zip(found.weights);
+    let weighted = weighted.filter(|(_, weight)| *weight != 0.0);
+    point.parts.extend(weighted.map(|(node, weight)| Part {
+        other: true,
+        node: node.0,
+        weight: -weight,
+    }));
     point.anchor = DVec3::ZERO;
     Ok(())
 }

@@ -5,7 +5,7 @@ mod build;
 use super::into::{IntoNet, IntoTetMesh};
 use super::params::Substeps;
 use crate::body::{self, BuildError, Material, Net, Solid, SolidMesh};
-use crate::contact::target::Surface;
+use crate::contact::target::SurfaceProperties;
 use crate::math::{Pose, Real, Rotation, Vector};
 use crate::solve::Integrator;
 use crate::solve::external::ForceField;
@@ -53,7 +53,7 @@ pub struct DeformableBuilder {
     pose: Pose,
     linvel: Vector,
     angvel: Vector,
-    surface: Surface,
+    surface: SurfaceProperties,
     gravity_scale: Real,
     drag: Real,
     integrator: Option<Integrator>,
@@ -78,7 +78,7 @@ impl DeformableBuilder {
             pose: Pose::IDENTITY,
             linvel: Vector::ZERO,
             angvel: Vector::ZERO,
-            surface: Surface::default(),
+            surface: SurfaceProperties::default(),
             gravity_scale: 1.0,
             drag: 0.0,
             integrator: None,
@@ -213,7 +213,7 @@ impl DeformableBuilder {
         self
     }
 
-    /// Distance that its surface and what touches it keep, doubled \[m\], see [`Surface::thickness`].
+    /// Distance that its surface and what touches it keep, doubled \[m\], see [`SurfaceProperties::thickness`].
     pub fn thickness(mut self, thickness: Real) -> Self {
         self.surface.thickness = thickness;
         self

@@ -11,7 +11,7 @@ use crate::body::search::tree::Cache;
 use crate::body::tears::Seams;
 use crate::body::{Blueprint, Embedded, NodeId, SpringId, State, Topology};
 use crate::contact::encounter::outline::Outline;
-use crate::contact::target::Surface;
+use crate::contact::target::SurfaceProperties;
 use crate::math::{DVec3, Real, Vector, narrow};
 use crate::solve::external::ForceField;
 use crate::solve::{Integrator, Solver};
@@ -23,7 +23,7 @@ pub struct Deformable {
     pub(super) blueprint: Blueprint,
     pub(super) state: State<Real>,
     pub(super) solver: Solver<Real>,
-    pub(super) surface: Surface,
+    pub(super) surface: SurfaceProperties,
     /// Made when it first meets another deformable.
     pub(super) outline: Option<Box<Outline>>,
     pub(super) topology: Arc<Topology>,
@@ -297,7 +297,7 @@ impl Deformable {
     }
 
     /// Friction and collision groups.
-    pub fn surface(&self) -> &Surface {
+    pub fn surface(&self) -> &SurfaceProperties {
         &self.surface
     }
 

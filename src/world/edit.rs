@@ -5,7 +5,7 @@
 use super::Deformable;
 use super::energies::Energies;
 use crate::body::{BuildError, NodeId, Spring, SpringId};
-use crate::contact::target::{Surface, wide_rotation};
+use crate::contact::target::{SurfaceProperties, wide_rotation};
 use crate::math::{Pose, Real, Vector, narrow, wide};
 use crate::solve::external::ForceField;
 use crate::solve::springs::SpringTable;
@@ -41,9 +41,19 @@ impl Deformable {
         self.enabled = enabled;
     }
 
-    /// Friction, collision groups and thickness. Nothing is checked here: a thickness above what `build` takes is used as it
-    /// is.
-    pub fn surface_mut(&mut self) -> &mut Surface {
+    /// Changes friction, collision groups, thickness and the rest of how it touches.
+    ///
+    /// # Errors
+    /// [`BuildError::Value`] for a value out of range, [`BuildError::TooThick`]; the body is then as before.
+    pub fn set_surface(&mut self, surface: SurfaceProperties) -> Result<(), BuildError> {
+        surface.check()?;
+        surface.check_thickness(self.contact_blueprint())?;
+        *self.surface_mut() = surface;
+        Ok(())
+    }
+
+    /// The same, of which nothing is checked: a thickness above what `build` takes is used as it is, and what is not positive counts as 0.
+    pub fn surface_mut(&mut self) -> &mut SurfaceProperties {
         self.wake_up();
         &mut self.surface
     }

@@ -80,7 +80,7 @@ pub struct DeformableParameters {
     /// body that carries more than three times its mass in welded or linked nodes touches another one, steps are shorter by as much.
     pub max_rigid_dt: f64,
     /// Gauss–Seidel passes over the rows of a substep: up to 4 times as many over those that hang together, and 64 times as
-    /// many while anything sinks in at more than 3 % of [`Self::push_out_speed`]. 0 counts as 1.
+    /// many while anything sinks in at more than 3 % of [`Self::push_out_speed`]. 0 counts as 1, and there are at most 1,000,000.
     pub passes: usize,
     /// Speed at which penetrating nodes are moved out, in length units per second.
     pub push_out_speed: f64,
@@ -114,9 +114,19 @@ impl DeformableParameters {
                 return Err(BuildError::Value { what, value, must });
             }
         }
+        if self.passes > MOST_PASSES {
+            return Err(BuildError::Value {
+                what: "the number of passes",
+                value: self.passes as f64,
+                must: "1,000,000 at most",
+            });
+        }
         Ok(())
     }
 }
+
+/// More than any set of rows takes, and few enough to be counted with their factors.
+const MOST_PASSES: usize = 1_000_000;
 
 impl Default for DeformableParameters {
     fn default() -> Self {

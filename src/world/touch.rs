@@ -48,7 +48,7 @@ pub enum TouchEventKind {
         removed: bool,
     },
     /// The mean force over the step was above the deformable's
-    /// [`contact_force_event_threshold`](crate::contact::target::Surface::contact_force_event_threshold). Bodies asleep
+    /// [`contact_force_event_threshold`](crate::contact::target::SurfaceProperties::contact_force_event_threshold). Bodies asleep
     /// make no such events, as with Rapier.
     Force,
 }

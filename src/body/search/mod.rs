@@ -50,6 +50,8 @@ pub(crate) struct Met {
     /// From the origin of the ray, or from the point \[m\].
     pub distance: f64,
     pub at: SurfacePoint,
+    /// The weights of its nodes, unrounded.
+    pub weights: [f64; 3],
     /// Of a ray: the unit normal towards its origin, 0 if it starts within a line. Of a point: the point nearest to it \[m\].
     pub vector: DVec3,
 }
@@ -155,6 +157,7 @@ impl Search<'_> {
         Some(Met {
             distance: t,
             at: self.surface_point(feature, weights),
+            weights,
             vector: normal,
         })
     }
@@ -172,6 +175,7 @@ impl Search<'_> {
         Some(Met {
             distance,
             at: self.surface_point(feature, weights),
+            weights,
             vector: mean(self.corners(feature), weights),
         })
     }

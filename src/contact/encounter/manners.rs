@@ -1,7 +1,7 @@
 //! How two surfaces treat each other.
 
 use super::outline::Outline;
-use crate::contact::target::Surface;
+use crate::contact::target::SurfaceProperties;
 use rapier3d::dynamics::CoefficientCombineRule;
 
 /// What two bodies agree upon.
@@ -22,13 +22,13 @@ pub struct Manners {
 }
 
 /// Whether two surfaces meet at all.
-pub fn admit(a: &Surface, b: &Surface) -> bool {
+pub fn admit(a: &SurfaceProperties, b: &SurfaceProperties) -> bool {
     a.collision_groups.test(b.collision_groups) && a.solver_groups.test(b.solver_groups)
 }
 
 impl Manners {
     /// Of the surfaces of two bodies.
-    pub fn new(surfaces: [&Surface; 2], outlines: [&Outline; 2]) -> Self {
+    pub fn new(surfaces: [&SurfaceProperties; 2], outlines: [&Outline; 2]) -> Self {
         let [a, b] = surfaces;
         let friction = CoefficientCombineRule::combine(
             a.friction,
@@ -36,8 +36,9 @@ impl Manners {
             a.friction_combine_rule,
             b.friction_combine_rule,
         );
-        let half =
-            |outline: &Outline, surface: &Surface| 0.5 * outline.thickness(surface.thickness);
+        let half = |outline: &Outline, surface: &SurfaceProperties| {
+            0.5 * outline.thickness(surface.thickness)
+        };
         Self {
             friction: f64::from(friction).max(0.0),
             halves: [half(outlines[0], a), half(outlines[1], b)],
@@ -72,17 +73,17 @@ mod tests {
 
     #[test]
     fn surfaces_agree() {
-        let a = Surface {
+        let a = SurfaceProperties {
             friction: 0.2,
             thickness: 0.01,
             stiffness: Some(100.0),
             dominance_group: 1,
-            ..Surface::default()
+            ..SurfaceProperties::default()
         };
-        let b = Surface {
+        let b = SurfaceProperties {
             friction: 0.6,
             stiffness: Some(300.0),
-            ..Surface::default()
+            ..SurfaceProperties::default()
         };
         let outline = Outline::default();
         let m = Manners::new([&a, &b], [&outline, &outline]);
@@ -92,13 +93,13 @@ mod tests {
         assert_eq!(m.parts(), [1.0, 0.0]);
         assert_eq!(m.shares, [0.0, 1.0]);
         assert!(admit(&a, &b));
-        let apart = Surface {
+        let apart = SurfaceProperties {
             collision_groups: InteractionGroups::new(
                 Group::GROUP_1,
                 Group::GROUP_2,
                 InteractionTestMode::And,
             ),
-            ..Surface::default()
+            ..SurfaceProperties::default()
         };
         assert!(!admit(&apart, &apart));
     }

@@ -1,11 +1,10 @@
 //! How a body comes about: values are checked, materials and masses found, and the body put in its place.
 
 use super::{DeformableBuilder, Region, SkinUse};
-use crate::body::error::{not_negative, positive};
+use crate::body::error::not_negative;
 use crate::body::{
     Blueprint, BuildError, Embedded, Material, Net, Node, SolidMesh, State, Topology,
 };
-use crate::contact::encounter::outline;
 use crate::contact::target::wide_rotation;
 use crate::math::{DVec3, Real, Vector, narrow, wide};
 use crate::solve::Solver;
@@ -28,7 +27,8 @@ impl DeformableBuilder {
         let mut blueprint = Blueprint::resolve(net, materials, self.total_mass)?;
         blueprint.solid = self.solid.take().map(Arc::new);
         let embedded = Embedded::of(&blueprint);
-        self.check_thickness(embedded.as_ref().map_or(&blueprint, |e| &e.blueprint))?;
+        let touching = embedded.as_ref().map_or(&blueprint, |e| &e.blueprint);
+        self.surface.check_thickness(touching)?;
         let state = self.placed(&blueprint);
         let mut solver = Solver::new(&blueprint.springs, &state);
         if let Some(model) = model {
@@ -75,14 +75,7 @@ impl DeformableBuilder {
                 });
             }
         }
-        not_negative("the friction coefficient", self.surface.friction.into())?;
-        if let Some(threshold) = self.surface.contact_force_event_threshold {
-            not_negative("the threshold of force events", threshold.into())?;
-        }
-        not_negative("the thickness", self.surface.thickness.into())?;
-        if let Some(stiffness) = self.surface.stiffness {
-            positive("the contact stiffness", stiffness.into())?;
-        }
+        self.surface.check()?;
         not_negative("the drag", self.drag.into())?;
         if !self.gravity_scale.is_finite() {
             return Err(BuildError::Value {
@@ -101,9 +94,15 @@ impl DeformableBuilder {
         if let Some(substeps) = self.substeps {
             substeps.check()?;
         }
-        let regions = self.regions.iter().map(|(_, m)| m);
-        let mut materials = self.material.iter().chain(regions);
-        materials.try_for_each(Material::check)
+        self.material.iter().try_for_each(Material::check)?;
+        for (region, (_, material)) in self.regions.iter().enumerate() {
+            let refused = |error| BuildError::Region {
+                region,
+                refused: Box::new(error),
+            };
+            material.check().map_err(refused)?;
+        }
+        Ok(())
     }
 
     /// The net with its pinned nodes, that of a solid from its mesh, and the elements of that.
@@ -131,17 +130,6 @@ impl DeformableBuilder {
                 net.skin = Some(solid.mesh.bind(surface)?);
             }
             (SkinUse::Embedded(_), None) => return Err(BuildError::SkinWithoutTets),
-        }
-        Ok(())
-    }
-
-    /// Whether what touches is thin enough: at most half of the spacing of its nodes.
-    fn check_thickness(&self, touching: &Blueprint) -> Result<(), BuildError> {
-        let thickness = f64::from(self.surface.thickness);
-        let limit = 0.5 * outline::spacing(touching);
-        // Places of nodes are rounded.
-        if thickness > limit * (1.0 + 1e-5) {
-            return Err(BuildError::TooThick { thickness, limit });
         }
         Ok(())
     }

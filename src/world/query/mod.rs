@@ -131,7 +131,8 @@ impl Deformable {
         (lo.is_finite() && hi.is_finite()).then_some((lo - radius, hi + radius))
     }
 
-    fn search(&self, radius: f64) -> Search<'_> {
+    /// A search through it, its lines as thick as this radius \[m\].
+    pub(super) fn search(&self, radius: f64) -> Search<'_> {
         Search {
             blueprint: &self.blueprint,
             topology: &self.topology,

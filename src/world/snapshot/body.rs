@@ -4,7 +4,7 @@
 use crate::body::state::Particle;
 use crate::body::{Blueprint, BuildError, Embedded, State, Topology};
 use crate::contact::encounter::outline::Outline;
-use crate::contact::target::Surface;
+use crate::contact::target::SurfaceProperties;
 use crate::math::{DVec3, Real, Vector};
 use crate::solve::external::External;
 use crate::solve::fem::{Model, Part};
@@ -33,7 +33,7 @@ struct Saved {
     forces: Forces<Real>,
     applied: Vec<[Real; 3]>,
     speed_squared: Real,
-    surface: Surface,
+    surface: SurfaceProperties,
     /// Whether it has met another deformable.
     met: bool,
     gravity_scale: Real,

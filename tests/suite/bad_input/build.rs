@@ -1,7 +1,7 @@
 //! Every error of building, inserting and attaching, with the element and the value it names.
 
 use crate::fixtures::{bead, pair};
-use crumple::body::{Binding, Net, Node, Skin};
+use crumple::body::{Binding, Net, Node, Skin, Surface, Tets};
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
 use crumple::world::AttachError;
@@ -273,7 +273,10 @@ fn bad_materials() {
                     .material_where(|_| true, material),
             ];
             for builder in builders {
-                let error = builder.build().unwrap_err();
+                let error = match builder.build().unwrap_err() {
+                    BuildError::Region { region: 0, refused } => *refused,
+                    error => error,
+                };
                 assert!(
                     matches!(error, BuildError::Value { what, value, .. }
                         if what == format!("the material's {name}") && same(value as f32, bad)),
@@ -282,6 +285,28 @@ fn bad_materials() {
             }
         }
     }
+}
+
+/// Which of several materials is refused, and of what has no nodes which one it names.
+#[test]
+fn errors_say_which() {
+    let net = lattice(Vector::splat(0.2), 0.1);
+    let mut heavy = Material::rubber();
+    heavy.density = -1.0;
+    let error = DeformableBuilder::new(net)
+        .material(Material::rubber())
+        .material_where(|_| true, Material::rubber())
+        .material_where(|_| true, heavy)
+        .build()
+        .unwrap_err();
+    let said = error.to_string();
+    assert!(said.starts_with("material 1 of `material_where`: the material's density"));
+    let tets = Tets::Linear(vec![[0, 1, 2, 3]]);
+    let none = TetMesh::new(Vec::new(), tets).unwrap_err().to_string();
+    assert_eq!(none, "tet 0 names node 0, but there are 0");
+    let surface = Surface::new(Vec::new(), vec![[0, 1, 2]]);
+    let none = surface.check_triangles().unwrap_err().to_string();
+    assert_eq!(none, "surface triangle 0 names node 0, but there are 0");
 }
 
 #[test]

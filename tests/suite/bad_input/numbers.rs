@@ -151,7 +151,7 @@ fn what_has_no_square_is_refused() {
 #[test]
 fn settings_that_are_none_are_reported() {
     type Spoil = fn(&mut DeformableParameters);
-    let causes: [(&str, Spoil); 12] = [
+    let causes: [(&str, Spoil); 13] = [
         ("Fixed(0)", |p| p.substeps = Substeps::Fixed(0)),
         ("Unchecked(0)", |p| p.substeps = Substeps::Unchecked(0)),
         ("safety 0", |p| {
@@ -181,6 +181,7 @@ fn settings_that_are_none_are_reported() {
         ("expected_dt", |p| p.expected_dt = f64::NAN),
         ("max_rigid_dt", |p| p.max_rigid_dt = -1.0),
         ("push_out_speed", |p| p.push_out_speed = f64::NAN),
+        ("passes", |p| p.passes = usize::MAX),
         ("review_interval", |p| p.review_interval = f64::NAN),
         ("sleep_speed", |p| p.sleep_speed = f64::NAN),
         ("sleep_after", |p| p.sleep_after = -1.0),

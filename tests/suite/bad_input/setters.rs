@@ -2,6 +2,7 @@
 
 use crate::fixtures::{cube, pair};
 use crumple::body::BuildError;
+use crumple::contact::target::SurfaceProperties;
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
 
@@ -34,6 +35,36 @@ fn values_that_are_not_finite() {
     }
     let nothing = Rotation::from_xyzw(0.0, 0.0, 0.0, 0.0);
     unchanged(|b| assert!(!b.transform(Pose::from_parts(Vector::ZERO, nothing))));
+}
+
+#[test]
+fn surfaces_out_of_range() {
+    let spoils: [fn(&mut SurfaceProperties); 5] = [
+        |s| s.friction = -0.1,
+        |s| s.friction = f32::NAN,
+        |s| s.thickness = f32::NAN,
+        |s| s.stiffness = Some(0.0),
+        |s| s.contact_force_event_threshold = Some(-1.0),
+    ];
+    for spoil in spoils {
+        unchanged(|b| {
+            let before = *b.surface();
+            let mut surface = before;
+            spoil(&mut surface);
+            let error = b.set_surface(surface).unwrap_err();
+            assert!(matches!(error, BuildError::Value { .. }), "{error:?}");
+            assert_eq!(*b.surface(), before);
+            let mut thick = before;
+            thick.thickness = 0.2;
+            let error = b.set_surface(thick).unwrap_err();
+            assert!(matches!(error, BuildError::TooThick { .. }), "{error:?}");
+        });
+    }
+    let mut body = cube(0.3).build().unwrap();
+    let mut surface = *body.surface();
+    surface.friction = 0.9;
+    body.set_surface(surface).unwrap();
+    assert_eq!(*body.surface(), surface);
 }
 
 #[test]

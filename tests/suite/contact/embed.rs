@@ -15,7 +15,7 @@ fn ball() -> Surface {
 }
 
 /// It in a cube of 40 tets, whose corners stand out of it by .37 m.
-fn soft_ball() -> DeformableBuilder {
+pub fn soft_ball() -> DeformableBuilder {
     let cube = tet_box(Vector::splat(1.0), 0.5, TetSplit::Five).unwrap();
     let solid = Solid::new(4.0e5, 0.3, 200.0).damping(0.0, 5.0e-3);
     DeformableBuilder::tets(cube, solid)

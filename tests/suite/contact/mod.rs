@@ -5,7 +5,7 @@ mod blow;
 mod brinks;
 mod changes;
 mod coarse;
-mod embed;
+pub mod embed;
 mod fast;
 mod features;
 mod hollows;

@@ -4,7 +4,6 @@ use crumple::scenario::file::{LoadOptions, Scenario, embedded_names, reference, 
 use crumple::scenario::survey;
 use std::path::PathBuf;
 use std::process::{Command, Output};
-use std::time::{Duration, Instant};
 
 pub fn crumple(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_crumple"))
@@ -212,13 +211,7 @@ fn the_crate_has_every_file_of_the_catalog() {
     for (name, path) in &files {
         let options = LoadOptions::default();
         let embedded = Scenario::embedded(name, &options).unwrap();
-        let start = Instant::now();
         assert_eq!(embedded, Scenario::load(path, &options).unwrap(), "{name}");
-        assert!(
-            start.elapsed() < Duration::from_millis(50),
-            "{name}: {:?}",
-            start.elapsed()
-        );
         assert!(
             !embedded.about.is_empty() && embedded.expect.len() > 1,
             "{name}"

@@ -116,3 +116,47 @@ fn forces_of_bodies_that_come_later_are_added_at_their_time() {
     crate::support::close("force of one bead [N]", at(0.25), 9.81, 0.01);
     crate::support::close("force of both [N]", at(0.75), 11.0 * 9.81, 0.01);
 }
+
+/// A set is in the table whenever it was followed, and without values before; masses are those of the time.
+#[test]
+fn what_is_followed_later_is_in_the_table() {
+    let (mut world, _) = crate::fixtures::floored(1.0 / 240.0);
+    let mut set = DeformableWorld::default();
+    let bead = crate::fixtures::bead(1.0).translation(Vector::Y * 9.0);
+    let bead = set.insert(bead.linvel(Vector::X)).unwrap();
+    let mut recorder = Recorder::new();
+    let node = vec![NodeId(0)];
+    // Before anything is recorded of the body.
+    let early = recorder.follow("early", &set, bead, node.clone());
+    early.unwrap();
+    for step in 0..4 {
+        if step == 2 {
+            set[bead].set_node_mass(NodeId(0), 2.0).unwrap();
+            let late = recorder.follow("late", &set, bead, node.clone());
+            late.unwrap();
+        }
+        set.step_with(&mut world, &(), &(), &mut recorder);
+    }
+    let record = recorder.body(bead).unwrap();
+    let path = std::env::temp_dir().join(format!("crumple-late-{}.csv", std::process::id()));
+    recorder.write_history(record, &path).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    std::fs::remove_file(&path).unwrap();
+    let mut lines = text.lines();
+    let headers: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let rows: Vec<Vec<f64>> = lines
+        .map(|line| line.split(',').map(|x| x.parse().unwrap()).collect())
+        .collect();
+    let column = |name: &str| {
+        let i = headers.iter().position(|h| *h == name).unwrap();
+        rows.iter().map(|row| row[i]).collect::<Vec<f64>>()
+    };
+    let [com, early, late] = ["com_y_m", "early_y_m", "late_y_m"].map(column);
+    assert!(com.len() >= 5 && com == early, "{com:?} {early:?}");
+    let known = late.iter().filter(|y| !y.is_nan()).count();
+    assert!(known > 1 && known < com.len(), "{late:?}");
+    assert_eq!(late[com.len() - known..], com[com.len() - known..]);
+    let [v, p] = ["com_v_x_mps", "momentum_x_ns"].map(column);
+    assert!(v.iter().all(|v| (v - 1.0).abs() < 1e-6), "{v:?}");
+    assert!(p[0] == 1.0 && p[p.len() - 1] == 2.0, "{p:?}");
+}

@@ -263,12 +263,17 @@ fn a_folder_is_written_by_one_sweep_at_a_time() {
 fn a_sweep_knows_its_meshes_by_what_is_in_them() {
     let dir = folder("contents");
     let mesh = "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 3 2\n";
+    let skin = "v 0 0 0\nv .4 0 0\nv 0 0 .4\nv 0 .4 0\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n";
     let scene = r#"(
         variables: (height: 1), world: (duration: 0.1),
         rigid: [
             (name: "ground", kind: Fixed, colliders: [(shape: TriMesh("ground.obj"))]),
             (name: "ball", translation: (0, "height", 0), colliders: [(shape: Ball(0.1))]),
         ],
+        deformables: [(
+            name: "cube", translation: (0, 9, 0), solid: (young: 1e6, poisson: 0.3, density: 1e3),
+            body: TetBox(size: (1, 1, 1), cell: 1), embed: "skin.obj",
+        )],
         expect: [(name: "rests", that: RestTime(1e-9), at_most: 9)],
     )"#;
     let [one, two] = ["one", "two"].map(|name| dir.join(name));
@@ -276,6 +281,7 @@ fn a_sweep_knows_its_meshes_by_what_is_in_them() {
         std::fs::create_dir_all(place).unwrap();
         std::fs::write(place.join("scene.ron"), scene).unwrap();
         std::fs::write(place.join("ground.obj"), mesh).unwrap();
+        std::fs::write(place.join("skin.obj"), skin).unwrap();
     }
     let run = |place: &Path, values: &str, out: &Path| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_crumple"));
@@ -287,10 +293,17 @@ fn a_sweep_knows_its_meshes_by_what_is_in_them() {
     assert_eq!(run(&one, "height=1,2", &out).status.code(), Some(1));
     // The same files elsewhere are the same sweep.
     assert_eq!(run(&two, "height=1,2", &out).status.code(), Some(1));
-    std::fs::write(two.join("ground.obj"), mesh.replace("v 1", "v 2")).unwrap();
-    let output = run(&two, "height=1,2", &out);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(text(&output.stderr).contains("another sweep"));
+    for (file, other) in [
+        ("ground.obj", mesh.replace("v 1", "v 2")),
+        ("skin.obj", skin.replace("v .4", "v .3")),
+    ] {
+        let kept = std::fs::read(two.join(file)).unwrap();
+        std::fs::write(two.join(file), other).unwrap();
+        let output = run(&two, "height=1,2", &out);
+        assert_eq!(output.status.code(), Some(2), "{file}");
+        assert!(text(&output.stderr).contains("another sweep"), "{file}");
+        std::fs::write(two.join(file), kept).unwrap();
+    }
     // A ball that falls never rests: inf is no number of JSON, and must not be lost.
     let csv = std::fs::read_to_string(out.join("merged.csv")).unwrap();
     assert!(csv.contains(",inf,0\n"), "{csv}");
@@ -326,7 +339,7 @@ fn a_variant_that_panics_is_one_that_cant_be_run() {
 
 /// How well a sweep of variants of a second and more keeps its workers at work.
 #[test]
-#[ignore = "measures: run it alone"]
+#[ignore = "long: two sweeps of eight variants"]
 fn a_sweep_keeps_its_workers_busy() {
     let dir = folder("pace");
     let slow = STONE.replace("duration: 1)", "duration: 1, dt: 2e-6)");

@@ -219,6 +219,7 @@ fn named(scene: &Scenario) -> Vec<PathBuf> {
             Body::TetMesh(file) => found.push(file.0.clone()),
             _ => {}
         }
+        body.embed.iter().for_each(|mesh| of_mesh(mesh, &mut found));
     }
     found
 }
