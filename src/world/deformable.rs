@@ -46,8 +46,11 @@ pub struct Deformable {
     pub(super) led: Vec<(u32, DVec3)>,
     /// How led nodes have moved.
     pub(super) courses: NodeCourses,
-    /// Where gravity potential is zero \[m\].
+    /// What places are measured from for the energy of gravity \[m\].
     pub(super) datum: DVec3,
+    /// Σ m·(x − datum) of the free nodes where they were inserted, or have been freed or weighed since: there the energy of gravity
+    /// is 0 \[kg·m\].
+    pub(super) moment: DVec3,
     /// Maps nodes to row nodes within a substep.
     pub(super) slots: Vec<u32>,
     /// Positions and velocities at the start of the rigid step, to go back to if the step goes wrong.

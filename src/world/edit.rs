@@ -150,7 +150,9 @@ impl Deformable {
             self.edit_at([node.0], |body| {
                 let mass = body.blueprint.nodes[node.index()].mass;
                 let inv_mass = if pinned { 0.0 } else { 1.0 / mass };
-                body.state.set_inv_mass(node.index(), inv_mass);
+                body.reweigh(node.index(), |body| {
+                    body.state.set_inv_mass(node.index(), inv_mass);
+                });
                 if pinned {
                     body.state.particles[node.index()].v = [0.0; 3];
                 }
@@ -238,11 +240,11 @@ impl Deformable {
         new.nodes = old.nodes;
         new.rest_length = old.rest_length;
         crate::body::error::check_constants(spring.0, &new)?;
-        let work = self.solver.work;
+        let (work, sleep) = (self.solver.work, self.sleep);
         self.put_spring(spring, new);
         self.check_changed().inspect_err(|_| {
             self.put_spring(spring, old);
-            self.solver.work = work;
+            (self.solver.work, self.sleep) = (work, sleep);
         })
     }
 
@@ -280,22 +282,24 @@ impl Deformable {
                 "large enough to have an inverse",
             ));
         }
-        let work = self.solver.work;
+        let (work, sleep, moment) = (self.solver.work, self.sleep, self.moment);
         let swing = self.state.particles[node.index()].swing;
         self.put_mass(node, mass);
         self.check_changed().inspect_err(|_| {
             self.put_mass(node, old);
             self.state.particles[node.index()].swing = swing;
-            self.solver.work = work;
+            (self.solver.work, self.sleep, self.moment) = (work, sleep, moment);
         })
     }
 
     fn put_mass(&mut self, node: NodeId, mass: Real) {
         self.edit(|body| {
-            body.blueprint.nodes[node.index()].mass = mass;
-            if body.state.particles[node.index()].inv_mass > 0.0 {
-                body.state.set_inv_mass(node.index(), 1.0 / mass);
-            }
+            body.reweigh(node.index(), |body| {
+                body.blueprint.nodes[node.index()].mass = mass;
+                if body.state.particles[node.index()].inv_mass > 0.0 {
+                    body.state.set_inv_mass(node.index(), 1.0 / mass);
+                }
+            });
             if let Some(part) = &mut body.solver.part {
                 let nodes = body.blueprint.nodes.iter();
                 let masses: Vec<f64> = nodes.map(|n| n.mass.into()).collect();

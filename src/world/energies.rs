@@ -3,6 +3,7 @@
 use super::Deformable;
 use crate::law::plastic::{self, Mapped, Yield, return_map};
 use crate::law::spring as law;
+use crate::math::DVec3;
 use crate::solve::Integrator;
 use crate::solve::work::Work;
 
@@ -14,7 +15,7 @@ pub struct Energies {
     pub kinetic: f64,
     /// Held by springs and tets, and by the links of the body's attachments.
     pub elastic: f64,
-    /// Σ −m·g·x, relative to where the body was inserted.
+    /// Σ −m·g·x of the nodes that are not pinned, relative to where each was inserted, or let go since.
     pub gravity: f64,
     /// Sums of dissipation and external work.
     pub work: Work,
@@ -62,7 +63,7 @@ impl Deformable {
     /// Those of such nodes, springs and tets. Links of attachments and work so far are counted whole.
     pub(super) fn energies_of(
         &self,
-        nodes: impl Iterator<Item = usize>,
+        nodes: impl Iterator<Item = usize> + Clone,
         springs: impl Iterator<Item = usize>,
         tets: impl Iterator<Item = usize> + Clone,
     ) -> Energies {
@@ -113,7 +114,7 @@ impl Deformable {
         }
     }
 
-    fn node_energies_of(&self, nodes: impl Iterator<Item = usize>) -> Energies {
+    fn node_energies_of(&self, nodes: impl Iterator<Item = usize> + Clone) -> Energies {
         let gravity = self.gravity();
         let mut energies = Energies {
             work: self.solver.work,
@@ -122,7 +123,7 @@ impl Deformable {
         };
         let lead = self.lead();
         let verlet = self.integrator() == Integrator::VelocityVerlet;
-        for i in nodes.filter(|i| self.state.particles[*i].inv_mass != 0.0) {
+        for i in nodes.clone().filter(|i| self.is_free(*i)) {
             let mass = f64::from(self.blueprint.nodes[i].mass);
             let v = self.state.velocity(i);
             energies.kinetic += mass * (0.5 * v.length_squared() + lead * gravity.dot(v));
@@ -132,9 +133,32 @@ impl Deformable {
                 let force = solver.elastic_force(i) + solver.applied_force(i) + gravity * mass;
                 energies.kinetic -= 0.125 * (self.h * force).length_squared() / mass;
             }
-            energies.gravity -= mass * gravity.dot(self.state.position(i) - self.datum);
         }
+        energies.gravity = gravity.dot(self.moment - self.moment_of(nodes));
         energies
+    }
+
+    fn is_free(&self, node: usize) -> bool {
+        self.state.particles[node].inv_mass != 0.0
+    }
+
+    /// Σ m·(x − datum) of such of these nodes as are free \[kg·m\].
+    pub(super) fn moment_of(&self, nodes: impl Iterator<Item = usize>) -> DVec3 {
+        nodes
+            .filter(|i| self.is_free(*i))
+            .map(|i| {
+                let mass = f64::from(self.blueprint.nodes[i].mass);
+                mass * (self.state.position(i) - self.datum)
+            })
+            .sum()
+    }
+
+    /// Makes a node free or pinned, or gives it another mass, by `change`, and leaves the energy of gravity as it is: the node counts
+    /// from where it is.
+    pub(super) fn reweigh(&mut self, node: usize, change: impl FnOnce(&mut Self)) {
+        let before = self.moment_of(std::iter::once(node));
+        change(self);
+        self.moment += self.moment_of(std::iter::once(node)) - before;
     }
 
     /// Tension of a spring at a length, and the flow that the next force evaluation will commit, but for a digit of the length.

@@ -56,6 +56,7 @@ impl DeformableBuilder {
         };
         body.set_going(wide(self.linvel), wide(self.angvel));
         body.datum = body.center_of_mass();
+        body.moment = body.moment_of(0..body.node_count());
         body.follow();
         Ok(body)
     }

@@ -9,7 +9,7 @@ use std::cmp::Ordering;
 /// What every snapshot begins with.
 const MAGIC: &[u8] = b"crumple snapshot\n";
 /// Goes up whenever anything that is saved changes within a version.
-const FORMAT: u32 = 17;
+const FORMAT: u32 = 18;
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// What a snapshot holds.

@@ -175,3 +175,58 @@ fn a_field_that_changes_with_time_keeps_the_order_of_the_scheme() {
         );
     }
 }
+
+/// What hangs from pinned nodes has the energy of gravity of those that fall, from where each was let go, and nobody has worked on it.
+#[test]
+fn gravity_counts_from_where_nodes_were_let_go() {
+    let is_top = |x: Vector| x.y > 0.49;
+    let tower = || {
+        DeformableBuilder::new(lattice(Vector::new(0.2, 1.0, 0.2), 0.1))
+            .material(Material::elastic(1.0e5, 500.0).viscosity(1.0e3))
+            .translation(Vector::Y * 3.0)
+    };
+    let mut world = PhysicsWorld::default();
+    let mut set = DeformableWorld::default();
+    let built = set.insert(tower().pin(is_top)).unwrap();
+    let told = set.insert(tower()).unwrap();
+    let nodes = |set: &DeformableWorld| (0..set[told].node_count() as u32).map(NodeId);
+    for node in nodes(&set) {
+        let at = set[told].position(node).unwrap().as_vec3();
+        set[told].set_pinned(node, is_top(at - Vector::Y * 3.0));
+    }
+    let start: Vec<f64> = set[built].positions().map(|x| x.y.into()).collect();
+    let fallen = |set: &DeformableWorld, body: DeformableHandle| {
+        let body = &set[body];
+        let gone = |(k, node): (usize, NodeId)| {
+            let mass = f64::from(body.node_mass(node).unwrap());
+            mass * 9.81 * (body.position(node).unwrap().y - start[k])
+        };
+        nodes(set).enumerate().map(gone).sum::<f64>()
+    };
+    for _ in 0..60 {
+        set.step(&mut world);
+    }
+    for body in [built, told] {
+        let (energies, expected) = (set[body].energies(), fallen(&set, body));
+        assert!(expected < -0.1, "it sags");
+        close("energy of gravity [J]", energies.gravity, expected, 1e-4);
+        assert!(energies.work.external.abs() < 1e-6, "{:?}", energies.work);
+    }
+    // Who pins a node at rest, or lets it go, or weighs it, does no work against gravity.
+    let hung = set[built].energies().gravity;
+    let work = |set: &DeformableWorld| set[built].energies().work.external;
+    let low = nodes(&set).last().unwrap();
+    set[built].set_pinned(low, true);
+    close("pinned [J]", set[built].energies().gravity, hung, 1e-9);
+    set[built].set_node_mass(low, 3.0).unwrap();
+    set[built].set_pinned(low, false);
+    close("let go [J]", set[built].energies().gravity, hung, 1e-9);
+    let before = work(&set);
+    set.step(&mut world);
+    let mut heavier = world.gravity;
+    heavier *= 2.0;
+    world.gravity = heavier;
+    set.step(&mut world);
+    // Twice the gravity is twice the energy of what has fallen: that is work from outside.
+    close("work [J]", work(&set) - before, hung, 0.05);
+}

@@ -179,6 +179,30 @@ fn changes_that_would_make_a_body_unstable() {
     assert!((body.energies().balance() - energies.balance()).abs() < 1e-9);
 }
 
+#[test]
+fn a_change_that_is_refused_wakes_nobody() {
+    let (mut world, _) = crate::fixtures::floored(1.0 / 60.0);
+    let mut set = DeformableWorld::new();
+    let body = set.insert(cube(0.3).translation(Vector::Y * 0.15)).unwrap();
+    for _ in 0..240 {
+        set.step(&mut world);
+    }
+    assert!(set[body].is_sleeping());
+    let hash = set.state_hash();
+    let stiff = set[body].set_spring(SpringId(0), |s| s.stiffness = 1.0e18);
+    assert!(
+        matches!(stiff, Err(BuildError::Unstable { .. })),
+        "{stiff:?}"
+    );
+    let light = set[body].set_node_mass(NodeId(1), 1.0e-18);
+    assert!(
+        matches!(light, Err(BuildError::Unstable { .. })),
+        "{light:?}"
+    );
+    assert!(set[body].is_sleeping());
+    assert_eq!(set.state_hash(), hash);
+}
+
 /// Symptom: a body that has just enough substeps refused a mass it had already. Cause: what had been learned of how it swings
 /// was forgotten at any change of a mass, and the bound without it is a sixth shorter.
 #[test]
