@@ -12,9 +12,11 @@ use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 mod disjoint;
+mod fnv;
 mod pack;
 
 pub(crate) use disjoint::Disjoint;
+pub(crate) use fnv::Fnv;
 pub use pack::{LANES, Pack, Packed, WIDTH, Wide};
 
 /// What laws compute with: a [`Scalar`], or several of them side by side, see [`Pack`].

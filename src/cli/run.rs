@@ -15,16 +15,18 @@ pub struct RunArguments {
     /// Where to write; out/NAME by default.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Step of the world. This and the next three are variables of scene files that have such ones.
+    /// Step of the world, 1/60 s in most scenes.
+    ///
+    /// This option and the next three change a built-in scene; of a scene file they set the variable of that name, where it has one.
     #[arg(long, value_name = "SECONDS")]
     dt: Option<f64>,
-    /// Simulated time.
+    /// Simulated time, by default what the scene takes.
     #[arg(long, value_name = "SECONDS")]
     duration: Option<f64>,
-    /// Fraction of the longest stable substep that is used, at most 1.
+    /// Fraction of the longest stable substep that is used, at most 1; 0.9 by default.
     #[arg(long, value_name = "FRACTION")]
     safety: Option<f64>,
-    /// Cell of the lattices.
+    /// Cell of the lattices, by default that of the scene.
     #[arg(long, value_name = "METRES")]
     cell: Option<f64>,
     /// No pictures and no plots.

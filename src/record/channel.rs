@@ -16,7 +16,7 @@ pub enum Interface {
     Collider(ColliderHandle),
     /// Contact with another deformable.
     Deformable(DeformableHandle),
-    /// An attachment to a rigid body.
+    /// An attachment, whatever it is to.
     Attachment(AttachmentHandle),
 }
 

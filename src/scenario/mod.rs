@@ -108,19 +108,24 @@ impl Scene {
     /// # Errors
     /// [`SceneError::Option`] for an option out of range, and whatever building can fail with.
     pub fn build(&self, options: &Options) -> Result<Run, SceneError> {
-        for (what, value, most) in [
-            ("the step dt", options.dt, 0.1),
-            ("the duration", options.duration, 60.0),
-            ("the safety factor of the substep", options.safety, 1.0),
-            ("the cell", options.cell, 1.0),
+        let unit = "above 0 and at most 1";
+        for (what, value, most, must) in [
+            ("the step dt", options.dt, 0.1, "above 0 and at most 0.1 s"),
+            (
+                "the duration",
+                options.duration,
+                60.0,
+                "above 0 and at most 60 s",
+            ),
+            (
+                "the safety factor of the substep",
+                options.safety,
+                1.0,
+                unit,
+            ),
+            ("the cell", options.cell, 1.0, "above 0 and at most 1 m"),
         ] {
             if !(value > 0.0 && value <= most) {
-                let must = match what {
-                    "the step dt" => "above 0 and at most 0.1 s",
-                    "the duration" => "above 0 and at most 60 s",
-                    "the cell" => "above 0 and at most 1 m",
-                    _ => "above 0 and at most 1",
-                };
                 return Err(SceneError::Option { what, value, must });
             }
         }

@@ -12,7 +12,7 @@ use crate::body::tears::Seams;
 use crate::body::{Blueprint, Embedded, NodeId, SpringId, State, Topology};
 use crate::contact::encounter::outline::Outline;
 use crate::contact::target::SurfaceProperties;
-use crate::math::{DVec3, Real, Vector, narrow};
+use crate::math::{DVec3, Fnv, Real, Vector, narrow};
 use crate::solve::external::ForceField;
 use crate::solve::{Integrator, Solver};
 use std::sync::{Arc, OnceLock};
@@ -320,7 +320,7 @@ impl Deformable {
         DVec3::new(g[0].into(), g[1].into(), g[2].into())
     }
 
-    /// FNV-1a hash of the whole state, bit for bit.
+    /// Hash of the whole state, bit for bit: FNV-1a over its words.
     pub fn state_hash(&self) -> u64 {
         let floats = self
             .state
@@ -331,12 +331,10 @@ impl Deformable {
             .chain(&self.state.rest)
             .chain(&self.state.flow)
             .map(|x| u64::from(x.to_bits()));
-        floats
+        let words = floats
             .chain(self.state.origin.to_array().map(f64::to_bits))
             .chain(self.state.broken.iter().map(|b| u64::from(*b)))
-            .chain(self.told.iter().map(|n| u64::from(*n)))
-            .fold(0xcbf2_9ce4_8422_2325, |hash, word| {
-                (hash ^ word).wrapping_mul(0x0000_0100_0000_01b3)
-            })
+            .chain(self.told.iter().map(|n| u64::from(*n)));
+        Fnv::of_words(words)
     }
 }

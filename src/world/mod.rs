@@ -82,7 +82,7 @@ use crate::contact::candidates::Candidates;
 use crate::contact::encounter::Encounter;
 use crate::contact::form::Forms;
 use crate::coupling::memory::{BodyMemory, Response};
-use crate::math::Vector;
+use crate::math::{Fnv, Vector};
 use group::{BodyKey, Waiting};
 use rapier3d::data::arena::{Arena, Index};
 use rapier3d::geometry::ColliderHandle;
@@ -281,13 +281,8 @@ impl DeformableWorld {
             let moved = a.moved.iter().flat_map(|m| m.to_array().map(f64::to_bits));
             f.into_iter().chain(m).chain(rest).chain(moved)
         });
-        bodies
-            .chain(memory)
-            .chain(attachments)
-            .chain([u64::from(self.parity)])
-            .fold(0xcbf2_9ce4_8422_2325, |hash, word| {
-                (hash ^ word).wrapping_mul(0x0000_0100_0000_01b3)
-            })
+        let words = bodies.chain(memory).chain(attachments);
+        Fnv::of_words(words.chain([u64::from(self.parity)]))
     }
 
     fn take(&mut self, handle: DeformableHandle) -> Option<Box<Deformable>> {

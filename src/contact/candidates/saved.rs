@@ -4,6 +4,7 @@ use super::Candidates;
 use crate::contact::feature;
 use crate::contact::nodes::Nodes;
 use crate::contact::target::{Frame, Target};
+use crate::math::Fnv;
 use rapier3d::geometry::SharedShape;
 
 /// What is remembered of a body near a target.
@@ -52,19 +53,8 @@ impl Candidates {
     }
 }
 
-/// FNV-1a.
-struct Fnv(u64);
-
-impl Extend<u8> for Fnv {
-    fn extend<T: IntoIterator<Item = u8>>(&mut self, bytes: T) {
-        for byte in bytes {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
-        }
-    }
-}
-
 /// Hash of a shape as it is saved; `None` for one that Rapier can't save.
 pub fn fingerprint(shape: &SharedShape) -> Option<u64> {
-    let hash = postcard::to_extend(shape, Fnv(0xcbf2_9ce4_8422_2325));
-    hash.ok().map(|hash| hash.0)
+    let hash = postcard::to_extend(shape, Fnv::new());
+    hash.ok().map(Fnv::finish)
 }

@@ -21,17 +21,11 @@ pub struct DeformableOverlap {
 impl DeformableWorld {
     /// The deformables of which a face, a spring or a lone node reaches into a box, or which hold the whole box. A box
     /// that is NaN or inside out meets nothing.
-    pub fn intersect_aabb(
-        &self,
-        aabb: Aabb,
-        filter: DeformableFilter,
-    ) -> impl Iterator<Item = DeformableHandle> {
-        let hits: Vec<_> = self
-            .filtered(&filter)
+    pub fn intersect_aabb(&self, aabb: Aabb, filter: DeformableFilter) -> Vec<DeformableHandle> {
+        self.filtered(&filter)
             .filter(|(_, body)| body.touches_box(&aabb, filter.radius()))
             .map(|(handle, _)| handle)
-            .collect();
-        hits.into_iter()
+            .collect()
     }
 
     /// The deformables that a shape touches or lies inside of. Shapes that parry can't test against triangles count as

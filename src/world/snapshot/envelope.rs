@@ -1,6 +1,7 @@
 //! What is around the bytes of a snapshot: who wrote it, how long it is, and whether it is whole.
 
 use super::SnapshotError;
+use crate::math::Fnv;
 use crate::world::DeformableBuilder;
 use crate::{body::Material, shape};
 use rapier3d::prelude::*;
@@ -21,13 +22,6 @@ pub(super) enum Kind {
     Beside,
 }
 
-/// FNV-1a.
-fn hash(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-        (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3)
-    })
-}
-
 /// What tells how a small world is laid out from another way: Rapier says nothing of the version of what it saves.
 fn layout() -> u64 {
     let mut world = PhysicsWorld::default();
@@ -44,7 +38,7 @@ fn layout() -> u64 {
     let mut bytes = FORMAT.to_le_bytes().to_vec();
     bytes.extend(postcard::to_stdvec(&world).unwrap_or_default());
     bytes.extend(postcard::to_stdvec(&body.ok()).unwrap_or_default());
-    hash(&bytes)
+    Fnv::of_bytes(&bytes)
 }
 
 /// Puts an envelope around what is saved.
@@ -55,7 +49,7 @@ pub(super) fn wrap(kind: Kind, content: &[u8]) -> Vec<u8> {
     bytes.extend(layout().to_le_bytes());
     bytes.push(kind as u8);
     bytes.extend((content.len() as u64).to_le_bytes());
-    bytes.extend(hash(content).to_le_bytes());
+    bytes.extend(Fnv::of_bytes(content).to_le_bytes());
     bytes.extend(content);
     bytes
 }
@@ -123,7 +117,7 @@ pub(super) fn open(bytes: &[u8], kind: Kind) -> Result<&[u8], SnapshotError> {
             Err(SnapshotError::CutShort { found, expected })
         }
         Ordering::Greater => Err(SnapshotError::TooLong { found, expected }),
-        Ordering::Equal if hash(content) != sum => Err(SnapshotError::Damaged),
+        Ordering::Equal if Fnv::of_bytes(content) != sum => Err(SnapshotError::Damaged),
         Ordering::Equal => Ok(content),
     }
 }

@@ -2,6 +2,7 @@
 
 /// Why a world can't be saved or restored.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SnapshotError {
     /// The bytes begin as no snapshot does.
     #[error("these {length} bytes are no snapshot")]

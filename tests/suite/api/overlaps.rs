@@ -20,10 +20,7 @@ fn boxes_find_what_reaches_into_them() {
     let rope = set
         .insert(DeformableBuilder::new(rope).material(Material::rubber()))
         .unwrap();
-    let found = |lo: Vector, hi: Vector, filter| {
-        set.intersect_aabb(Aabb::new(lo, hi), filter)
-            .collect::<Vec<_>>()
-    };
+    let found = |lo: Vector, hi: Vector, filter| set.intersect_aabb(Aabb::new(lo, hi), filter);
     let cube = |at: Vector, half: f32| found(at - half, at + half, ALL);
     assert_eq!(cube(Vector::ZERO, 10.0), [block, rope]);
     assert_eq!(found(Vector::MIN, Vector::MAX, ALL), [block, rope]);

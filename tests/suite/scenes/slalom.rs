@@ -14,7 +14,7 @@ fn a_block_rides_through() {
     assert_eq!(get("nodes_through"), 0.0);
     assert!(get("lowest_node_m") > -1e-3);
     assert!(get("max_penetration_m") < 1e-3);
-    assert!(get("energy_residual") < 0.01);
+    assert!(get("energy_residual") < 6e-4);
     // The curtain and a pendulum push against it; friction holds.
     assert!(get("slip_m") < 0.01);
     assert!((get("block_x_m") - 2.0).abs() < 0.01);

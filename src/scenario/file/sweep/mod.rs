@@ -15,6 +15,7 @@ pub use merge::{Merged, merge};
 
 use super::model::{Body, Mesh, Shape};
 use super::{LoadError, LoadOptions, Outcome, Scenario};
+use crate::math::Fnv;
 use serde_json::{Map, Value, json};
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -126,12 +127,12 @@ impl Sweep<'_> {
         for path in named(base) {
             let bytes = std::fs::read(&path).map_err(log::failed(&path))?;
             let name = serde_json::to_string(&path).unwrap_or_default();
-            scene = scene.replace(&name, &format!("{:016x}", hash(&bytes)));
+            scene = scene.replace(&name, &format!("{:016x}", Fnv::of_bytes(&bytes)));
             if let Ok(beside) = std::fs::read(path.with_extension("ele")) {
-                scene += &format!("{:016x}", hash(&beside));
+                scene += &format!("{:016x}", Fnv::of_bytes(&beside));
             }
         }
-        let hash = hash(scene.as_bytes());
+        let hash = Fnv::of_bytes(scene.as_bytes());
         let axes: Map<String, Value> = self
             .axes
             .iter()
@@ -186,13 +187,6 @@ impl Sweep<'_> {
         }
         line
     }
-}
-
-/// FNV-1a.
-fn hash(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-        (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3)
-    })
 }
 
 /// The files that a scene names.
