@@ -65,7 +65,7 @@ pub fn draw_pictures(run: &Run, out: &Path) -> Result<(), Failure> {
         stage.label = if run.deformables.iter().all(solid) {
             "von Mises stress over E"
         } else {
-            "von Mises stress over E; springs: plastic strain"
+            "stress / E, plastic strain"
         };
         stage.max_strain = round_up(f64::from(largest));
     }
@@ -90,13 +90,14 @@ pub fn draw_pictures(run: &Run, out: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The next of 1, 2, 4 and 8 times a power of ten: quarters of it are short.
+/// The next number of which quarters are short.
 fn round_up(largest: f64) -> f64 {
     if largest <= 0.0 {
         return 0.0;
     }
     let decade = 10.0_f64.powf(largest.log10().floor());
-    let steps = [1.0, 2.0, 4.0, 8.0, 10.0].map(|step| step * decade);
+    let steps = [1.0, 1.2, 1.6, 2.0, 2.4, 3.2, 4.0, 4.8, 6.0, 8.0, 10.0];
+    let steps = steps.map(|step| step * decade);
     let fits = |step: &f64| largest <= *step;
     steps.into_iter().find(fits).unwrap_or(largest)
 }

@@ -36,10 +36,12 @@ pub(super) fn mix(a: [f32; 3], b: [f32; 3], t: f32) -> [f32; 3] {
 /// Four digits without the zeros at the end.
 fn short(value: f64) -> String {
     let text = number(value);
-    if text.contains('e') || !text.contains('.') {
+    let (digits, power) = text.split_at(text.find('e').unwrap_or(text.len()));
+    if !digits.contains('.') {
         return text;
     }
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    let digits = digits.trim_end_matches('0').trim_end_matches('.');
+    format!("{digits}{power}")
 }
 
 /// The legend of [`colormap`]: a vertical bar at the right edge of a picture.
