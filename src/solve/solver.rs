@@ -2,7 +2,7 @@
 //!
 //! It advances a [`State`] that it does not own. A substep has three parts: [`Solver::predict`] moves the body freely,
 //! rows may then change velocities through `kick`, and [`Solver::finish`] completes schemes that evaluate the
-//! force at the new position. What springs have flowed is kept in the order of the kernels until [`Solver::settle`].
+//! force at the new position. What springs have flowed is kept in the order of the kernels until [`Solver::write_back`].
 
 use super::external::{External, ForceField};
 use super::fem::Part;
@@ -119,13 +119,13 @@ impl<S: Scalar> Solver<S> {
             self.predict(state, integrator, h, None);
             self.finish(state, integrator, h, None);
         }
-        self.settle(state);
+        self.write_back(state);
     }
 
     /// Writes rest lengths and flow of springs that have flowed to the state, which has them as of the last time; all else
     /// is always there.
-    pub fn settle(&mut self, state: &mut State<S>) {
-        self.table.settle(state);
+    pub fn write_back(&mut self, state: &mut State<S>) {
+        self.table.write_back(state);
     }
 
     /// Makes the table of springs that the first substep would make, and the room that it would.

@@ -132,12 +132,12 @@ impl<S: Scalar> SpringTable<S> {
     }
 
     /// Writes to the state what has flowed, if only the rows have it.
-    pub fn settle(&mut self, state: &mut State<S>) {
+    pub fn write_back(&mut self, state: &mut State<S>) {
         if let (Some(table), Some(state)) =
             (of_f32_mut::<_, SpringTable<f32>>(self), of_f32_mut(state))
             && let Rows::Made(sell) = &mut table.rows
         {
-            sell.settle(state);
+            sell.write_back(state);
         }
     }
 }
@@ -154,7 +154,7 @@ impl SpringTable<f32> {
     /// Forgets the rows, because another pass is about to change the state.
     pub fn drop_rows(&mut self, state: &mut State<f32>) {
         if let Rows::Made(sell) = &mut self.rows {
-            sell.settle(state);
+            sell.write_back(state);
             self.rows = Rows::Later;
         }
     }

@@ -104,7 +104,7 @@ impl Advance {
                 0.0
             };
         }
-        group.settle();
+        group.write_back();
         // What rows did in the last substep, no integration pass has seen yet.
         if !group.freeze_non_finite() {
             freeze(group, report);
@@ -174,7 +174,7 @@ impl Group {
                 if !folds && spin == 0.0 {
                     continue;
                 }
-                let own = own.get_or_insert_with(|| body.stir());
+                let own = own.get_or_insert_with(|| body.gross_motion());
                 let closing = own.closing(shadow);
                 if folds && let Some(width) = width {
                     let way = (THIN * width * topology.spacing).sqrt();
@@ -220,13 +220,13 @@ impl Group {
         if body.solid().is_none() {
             return 0.0;
         }
-        let own = body.stir();
+        let own = body.gross_motion();
         let rigid = self.candidates[member].iter();
         let rigid = rigid.map(|c| own.closing(&self.shadows[c.target.shadow as usize]));
         let soft = self.encounters.iter().filter_map(|e| {
             let [a, b] = e.members.map(|m| m as usize);
             let pair = [(a, b), (b, a)].into_iter().find(|pair| pair.0 == member);
-            let other = self.members[pair?.1].1.stir();
+            let other = self.members[pair?.1].1.gross_motion();
             Some((other.mean - own.mean).length() + other.most)
         });
         own.most + rigid.chain(soft).fold(0.0, f64::max)

@@ -24,7 +24,7 @@ impl Deformable {
         change: impl FnOnce(&mut Self) -> T,
     ) -> T {
         self.wake_up();
-        self.solver.settle(&mut self.state);
+        self.solver.write_back(&mut self.state);
         let before = energies(self).balance();
         self.moved_out.clear();
         self.solver.last_substep = None;

@@ -1,59 +1,78 @@
 //! The world of deformables beside a Rapier world.
 
-mod advance;
-mod attach;
-mod attachment;
-mod blow;
-mod budget;
+// A body: built, read, changed and saved.
 mod builder;
-mod constraints;
-mod course;
-mod debug;
-#[cfg(feature = "debug-render")]
-mod debug_backend;
 mod deformable;
 mod edit;
 mod embed;
 mod energies;
-mod fast;
-mod follow;
-mod group;
-mod hooks;
+mod gross_motion;
 mod into;
-mod kinematic;
-mod known;
-mod laden;
-mod landing;
-mod lead_back;
-mod meet;
-mod mend;
-mod motion;
-mod observer;
-mod params;
-mod parts;
-mod query;
-mod reach;
-mod rehearse;
-mod report;
-mod sense;
 mod settings;
 #[cfg(feature = "statics")]
 mod settle;
-mod sleep;
 #[cfg(feature = "serde-serialize")]
 mod snapshot;
 mod solid;
+mod subset;
+mod tears;
+
+// A step, from top to bottom.
+mod params;
+mod parts;
+mod step;
+
+// Within it groups of bodies are advanced, by substeps.
+mod advance;
+mod group;
+mod substep;
+
+// In a substep bodies move freely, rows answer, and both are booked.
+mod motion;
+mod position_correction;
 mod solve;
+mod work;
+
+// How many substeps there are, and how long.
+mod budget;
 mod span;
 mod steady;
-mod step;
-mod stir;
-mod subset;
-mod substep;
-mod tears;
+
+// What may touch what.
+mod blow;
+mod fast;
+mod hooks;
+mod known;
+mod meet;
+mod reach;
+mod sense;
+
+// Rigid bodies: what they follow and what follows them, and when they get their impulses.
+mod constraints;
+mod course;
+mod follow;
+mod kinematic;
+mod laden;
+mod landing;
+mod lead_back;
+mod rehearse;
+
+// Attachments.
+mod attach;
+mod attachment;
 mod ties;
+
+// Rest.
+mod sleep;
+
+// What is told of it.
+mod debug;
+#[cfg(feature = "debug-render")]
+mod debug_backend;
+mod observer;
+mod query;
+mod report;
 mod touch;
-mod work;
 
 pub use attach::AttachmentState;
 pub use attachment::{AttachError, AttachTo, Attachment};

@@ -48,7 +48,7 @@ impl DeformableWorld {
         if !self.takes(dt, world.gravity) {
             return;
         }
-        self.settle(&mut RapierParts::from(&mut *world), observer);
+        self.complete_half_step(&mut RapierParts::from(&mut *world), observer);
         self.report.rigid_steps = 1;
         self.wake_on_new_gravity(&mut RapierParts::from(&mut *world));
         if dt > 0.0 {
@@ -100,7 +100,7 @@ impl DeformableWorld {
     pub fn before_step(&mut self, parts: &mut RapierParts, observer: &mut dyn Observer) {
         let dt = f64::from(parts.integration_parameters.dt);
         if self.takes(dt, parts.gravity) && dt > 0.0 {
-            self.settle(parts, observer);
+            self.complete_half_step(parts, observer);
             self.wake_on_new_gravity(parts);
             self.wake_unmoored(parts, dt);
             self.wake_struck(parts, dt);
@@ -125,7 +125,7 @@ impl DeformableWorld {
 
     /// As [`Self::after_step`], with an observer that is told of contacts that began or ended in the step.
     pub fn after_step_with(&mut self, parts: &mut RapierParts, observer: &mut dyn Observer) {
-        self.settle(parts, observer);
+        self.complete_half_step(parts, observer);
     }
 
     /// Begins the report of a step, which says what is wrong with its numbers where they are none to step with.
@@ -143,7 +143,7 @@ impl DeformableWorld {
 
     /// Completes a [`Self::before_step`] that has not been completed: bodies get the rest of their impulses, and the user's
     /// forces back.
-    fn settle(&mut self, parts: &mut RapierParts, observer: &mut dyn Observer) {
+    fn complete_half_step(&mut self, parts: &mut RapierParts, observer: &mut dyn Observer) {
         if let Some(dt) = self.half_done.take() {
             self.hand_over(parts, dt);
             self.end_frame(parts, dt, observer);

@@ -174,17 +174,17 @@ impl Group {
             return false;
         }
         if observer.wants_springs(time, &self.members) {
-            self.settle();
+            self.write_back();
         }
         self.report(h, time, observer);
         true
     }
 
     /// Brings the states of all members up to date for whoever may look at them.
-    pub fn settle(&mut self) {
+    pub fn write_back(&mut self) {
         for (_, body) in &mut self.members {
             let Deformable { solver, state, .. } = &mut **body;
-            solver.settle(state);
+            solver.write_back(state);
         }
     }
 

@@ -25,13 +25,13 @@ mod rates;
 mod regular;
 pub mod roof;
 mod sell;
-mod settle;
 mod table;
 mod telling;
 #[cfg(test)]
 mod tests;
 mod trial;
 mod vector;
+mod write_back;
 
 pub(crate) use extent::{box_around, velocities_around};
 pub(crate) use integrate::{Totals, symplectic_euler};

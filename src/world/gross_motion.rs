@@ -6,7 +6,7 @@ use crate::solve::shadow::Shadow;
 
 /// How the nodes of a body move.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Stir {
+pub(super) struct GrossMotion {
     /// Mean of their velocities, and the largest speed against it \[m/s\].
     pub mean: DVec3,
     pub most: f64,
@@ -15,7 +15,7 @@ pub(super) struct Stir {
     pub radius: f64,
 }
 
-impl Stir {
+impl GrossMotion {
     /// How fast a rigid body and what moves as the nodes do on the average may come towards each other, or go \[m/s\].
     pub fn closing(&self, shadow: &Shadow) -> f64 {
         let there = shadow.velocity_at(self.centre - shadow.com);
@@ -25,20 +25,20 @@ impl Stir {
 
 impl Deformable {
     /// How its nodes move and where they are.
-    pub(super) fn stir(&self) -> Stir {
+    pub(super) fn gross_motion(&self) -> GrossMotion {
         let nodes = 0..self.node_count();
         let share = 1.0 / nodes.len().max(1) as f64;
-        let mut stir = Stir::default();
+        let mut motion = GrossMotion::default();
         for i in nodes.clone() {
-            stir.mean += self.state.velocity(i) * share;
-            stir.centre += self.state.position(i) * share;
+            motion.mean += self.state.velocity(i) * share;
+            motion.centre += self.state.position(i) * share;
         }
         let (mut most, mut radius) = (0.0_f64, 0.0_f64);
         for i in nodes {
-            most = most.max((self.state.velocity(i) - stir.mean).length_squared());
-            radius = radius.max((self.state.position(i) - stir.centre).length_squared());
+            most = most.max((self.state.velocity(i) - motion.mean).length_squared());
+            radius = radius.max((self.state.position(i) - motion.centre).length_squared());
         }
-        (stir.most, stir.radius) = (most.sqrt(), radius.sqrt());
-        stir
+        (motion.most, motion.radius) = (most.sqrt(), radius.sqrt());
+        motion
     }
 }

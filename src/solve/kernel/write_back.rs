@@ -8,7 +8,7 @@ use crate::solve::springs::Link;
 
 impl Sell {
     /// Writes to the state what has flowed since the last time.
-    pub(crate) fn settle(&mut self, state: &mut State<f32>) {
+    pub(crate) fn write_back(&mut self, state: &mut State<f32>) {
         let Some(limits) = &mut self.limits else {
             return;
         };
