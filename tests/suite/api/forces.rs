@@ -215,7 +215,7 @@ fn gravity_counts_from_where_nodes_were_let_go() {
     // Who pins a node at rest, or lets it go, or weighs it, does no work against gravity.
     let hung = set[built].energies().gravity;
     let work = |set: &DeformableWorld| set[built].energies().work.external;
-    let low = nodes(&set).last().unwrap();
+    let low = nodes(&set).next_back().unwrap();
     set[built].set_pinned(low, true);
     close("pinned [J]", set[built].energies().gravity, hung, 1e-9);
     set[built].set_node_mass(low, 3.0).unwrap();
