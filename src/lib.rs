@@ -42,8 +42,8 @@
 pub use rapier3d;
 
 pub mod body;
-pub mod contact;
-pub mod coupling;
+mod contact;
+mod coupling;
 #[cfg(feature = "import")]
 pub mod import;
 pub mod law;

@@ -132,7 +132,7 @@ pub struct Frame {
 
 impl Frame {
     /// Where a node stands in it \[m\].
-    pub fn to_local(&self, state: &State<Real>, node: u32) -> DVec3 {
+    pub fn to_local(self, state: &State<Real>, node: u32) -> DVec3 {
         self.axes.transpose() * (state.local(node as usize) + (state.origin - self.position))
     }
 

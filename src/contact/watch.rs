@@ -41,11 +41,6 @@ impl Watch {
         self.soon.clear();
     }
 
-    /// Whether any distance is known.
-    pub fn is_set(&self) -> bool {
-        !self.due.is_empty()
-    }
-
     /// Calls `look` for all of `count` elements that may be within `reach` m, in ascending order. `way` is how far both
     /// sides have moved in all, or more; `look` is told how far off the element is at least and tells how far it is, or less.
     /// `step` is about the way of some substeps \[m\].

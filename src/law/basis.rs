@@ -39,24 +39,7 @@ pub const POINTS: [[f64; 4]; 4] = {
     [[A, B, B, B], [B, A, B, B], [B, B, A, B], [B, B, B, A]]
 };
 
-/// Values of the ten quadratic shape functions at barycentric coordinates.
-pub const fn quadratic(l: [f64; 4]) -> [f64; 10] {
-    let mut n = [0.0; 10];
-    let mut i = 0;
-    while i < 4 {
-        n[i] = l[i] * (2.0 * l[i] - 1.0);
-        i += 1;
-    }
-    let mut e = 0;
-    while e < 6 {
-        let [a, b] = EDGES[e];
-        n[4 + e] = 4.0 * l[a] * l[b];
-        e += 1;
-    }
-    n
-}
-
-/// Their derivatives by (ξ, η, ζ).
+/// Derivatives by (ξ, η, ζ) of the ten quadratic shape functions at barycentric coordinates.
 pub const fn quadratic_gradients(l: [f64; 4]) -> [[f64; 3]; 10] {
     let mut g = [[0.0; 3]; 10];
     let mut d = 0;
@@ -80,6 +63,23 @@ pub const fn quadratic_gradients(l: [f64; 4]) -> [[f64; 3]; 10] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Values of the ten quadratic shape functions at barycentric coordinates.
+    const fn quadratic(l: [f64; 4]) -> [f64; 10] {
+        let mut n = [0.0; 10];
+        let mut i = 0;
+        while i < 4 {
+            n[i] = l[i] * (2.0 * l[i] - 1.0);
+            i += 1;
+        }
+        let mut e = 0;
+        while e < 6 {
+            let [a, b] = EDGES[e];
+            n[4 + e] = 4.0 * l[a] * l[b];
+            e += 1;
+        }
+        n
+    }
 
     fn barycentric(x: [f64; 3]) -> [f64; 4] {
         [1.0 - x[0] - x[1] - x[2], x[0], x[1], x[2]]

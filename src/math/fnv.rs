@@ -16,6 +16,7 @@ impl Fnv {
     }
 
     /// The hash of these bytes.
+    #[cfg(any(test, feature = "scenario", feature = "serde-serialize"))]
     pub fn of_bytes(bytes: &[u8]) -> u64 {
         Self::of_words(bytes.iter().map(|byte| u64::from(*byte)))
     }

@@ -74,6 +74,8 @@ mod query;
 mod report;
 mod touch;
 
+pub use crate::contact::target::SurfaceProperties;
+pub use crate::coupling::attach::{Bond, Break, Hold, Load, To};
 pub use attach::AttachmentState;
 pub use attachment::{AttachError, AttachTo, Attachment};
 pub use builder::DeformableBuilder;

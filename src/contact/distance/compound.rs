@@ -125,12 +125,6 @@ impl Compound {
         widths.fold(f64::INFINITY, f64::min)
     }
 
-    /// Smallest radius of a part.
-    pub fn smallest_radius(&self) -> f64 {
-        let radii = self.parts.iter().map(|p| p.solid.smallest_radius());
-        radii.fold(f64::INFINITY, f64::min)
-    }
-
     /// Visits the parts.
     pub fn for_each_convex(&self, f: &mut dyn FnMut(DVec3, DQuat, &Solid)) {
         for part in self.parts.iter() {

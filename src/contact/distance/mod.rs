@@ -298,22 +298,6 @@ impl Solid {
         core + 2.0 * self.radius
     }
 
-    /// Smallest radius of curvature of its curved faces \[m\], infinite where all are flat: a chord of length l dips l²/8R
-    /// into a surface of radius R. Sharp edges are no curved faces; a cone counts with its mantle at half height.
-    pub fn smallest_radius(&self) -> f64 {
-        let core = match &self.core {
-            Core::Cylinder(_, radius) => *radius,
-            Core::Cone(half_height, radius) => {
-                let height = (2.0 * half_height).max(f64::MIN_POSITIVE);
-                0.5 * radius * height.hypot(*radius) / height
-            }
-            Core::Compound(compound) => return compound.smallest_radius(),
-            _ => f64::INFINITY,
-        };
-        // The edges of a grown core have the radius it was grown by.
-        if self.radius > 0.0 { self.radius } else { core }
-    }
-
     /// Radius of its roundest edges \[m\]: what the core was grown by, 0 for sharp ones.
     pub fn edge_radius(&self) -> f64 {
         self.radius

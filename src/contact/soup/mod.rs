@@ -24,12 +24,11 @@ mod touch;
 mod tests;
 
 pub use edges::{Edge, EdgeKind, EdgeSearch};
-pub use facet::{Facet, Patch};
+pub use facet::Facet;
 pub use gather::NodeFacets;
 pub use inside::Exit;
-pub use near::Near;
 pub use overhang::{Margins, Overhang, bearing};
-pub use touch::{Touch, Touches, touches};
+pub use touch::{Touches, touches};
 
 use crate::math::DVec3;
 use edges::Edges;

@@ -69,12 +69,6 @@ pub fn add_scaled<S: Number>(a: &Mat<S>, s: S, b: &Mat<S>) -> Mat<S> {
     matrix!(i, j => a[i][j] + s * b[i][j])
 }
 
-/// aᵀ.
-#[inline(always)]
-pub fn transpose<S: Number>(a: &Mat<S>) -> Mat<S> {
-    matrix!(i, j => a[j][i])
-}
-
 /// a·b.
 #[inline(always)]
 pub fn mul<S: Number>(a: &Mat<S>, b: &Mat<S>) -> Mat<S> {
@@ -168,7 +162,7 @@ mod tests {
     fn inverse_cofactor_and_determinant_agree() {
         let i = mul(&A, &inverse(&A));
         assert!(contract(&sub(&i, &unit()), &sub(&i, &unit())).sqrt() < 1e-14);
-        let scaled = scale(&transpose(&inverse(&A)), det(&A));
+        let scaled = scale(&from_fn(|i, j| inverse(&A)[j][i]), det(&A));
         let off = sub(&scaled, &cofactor(&A));
         assert!(contract(&off, &off).sqrt() < 1e-14);
     }

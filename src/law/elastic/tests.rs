@@ -25,6 +25,20 @@ fn gradients() -> Vec<Mat<f64>> {
     ]
 }
 
+/// ∂P/∂F as a 9×9 matrix of rows, entry F\[i\]\[j\] at 3i + j \[Pa\]; symmetric.
+fn tangent<L: Elastic<f64>>(law: &L, f: &Mat<f64>) -> [[f64; 9]; 9] {
+    let mut matrix = [[0.0; 9]; 9];
+    for column in 0..9 {
+        let mut d = zero();
+        d[column / 3][column % 3] = 1.0;
+        let change = law.differential(f, &d);
+        for (row, entries) in matrix.iter_mut().enumerate() {
+            entries[column] = change[row / 3][row % 3];
+        }
+    }
+    matrix
+}
+
 fn turn() -> Mat<f64> {
     polar::rotation(&[[0.2, -1.3, 0.4], [0.9, 0.3, 0.7], [-0.5, 0.1, 0.8]])
 }

@@ -2,9 +2,9 @@
 
 use crate::fixtures::{cube, pair};
 use crumple::body::BuildError;
-use crumple::contact::target::SurfaceProperties;
 use crumple::prelude::*;
 use crumple::rapier3d::prelude::*;
+use crumple::world::SurfaceProperties;
 
 const NAN: Vector = Vector::new(0.0, f32::NAN, 0.0);
 const FAR: Vector = Vector::new(f32::INFINITY, 0.0, 0.0);

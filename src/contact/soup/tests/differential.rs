@@ -1,7 +1,8 @@
 //! Searches, distances and normals against all facets, one by one, by another formula.
 
 use super::*;
-use crate::contact::soup::{Facet, Patch};
+use crate::contact::soup::Facet;
+use crate::contact::soup::facet::Patch;
 
 /// The nearest point by planes through the sides, and of the sides.
 fn reference(facet: &Facet, p: DVec3) -> DVec3 {
