@@ -5,8 +5,8 @@ use super::target::Frame;
 use crate::body::Binding;
 use crate::body::state::State;
 use crate::body::topology::Topology;
-use crate::math::{DVec3, Real};
-use crate::solve::Solver;
+use crate::math::{DVec3, Real, Vector};
+use crate::solve::forces::Forces;
 use crate::solve::rows::{RowNode, Rows};
 use crate::solve::shadow::Shadow;
 
@@ -49,8 +49,8 @@ pub struct Side<'a> {
     pub topology: &'a Topology,
     /// What carries them.
     pub carrier: Carrier<'a>,
-    /// What moves the nodes that carry them.
-    pub(crate) solver: &'a Solver<Real>,
+    /// Forces within the body at its nodes, when they were last summed.
+    pub(crate) forces: &'a Forces<Real>,
 }
 
 /// What carries the points of a surface: they are nodes, or weighted means of nodes.
@@ -89,9 +89,14 @@ impl Carrier<'_> {
 }
 
 impl Side<'_> {
-    /// What h s of gravity and of the forces that its nodes had last add to the velocity of a point \[m/s\].
+    /// What h s of the forces within the body that its nodes had last add to the velocity of a point \[m/s\]. Without gravity and the
+    /// like: in a long substep these would draw what crosses a gap in a floor into it by more than it falls.
     pub fn gain(&self, point: u32, h: f64) -> DVec3 {
-        let of = |node: usize| h * self.solver.acceleration(self.carrier.nodes, node);
+        let of = |node: usize| {
+            let force = self.forces.at(node).sum();
+            let inv_mass = f64::from(self.carrier.nodes.particles[node].inv_mass);
+            h * inv_mass * Vector::from_array(force).as_dvec3()
+        };
         match self.carrier.bindings {
             None => of(point as usize),
             Some(bindings) => {

@@ -162,9 +162,8 @@ impl SoupNodes {
             let place = frame.to_local(site.side.state, i);
             let arm = frame.axes * place + (frame.position - site.shadow.com);
             let slip = site.side.state.velocity(i as usize) - site.shadow.velocity_at(arm);
-            let gain = site.side.gain(i, site.reach.h);
-            let reach = site.reach.at(slip.length() + gain.length());
-            let reach = reach.min(site.reach.farthest);
+            let gain = site.side.gain(i, site.reach.h).length();
+            let reach = site.reach.at(slip.length() + gain).min(site.reach.farthest);
             let mut near = self.facets.near(index);
             let mut back = DVec3::ZERO;
             let own = take_node(&mut overhangs, i);
@@ -175,7 +174,7 @@ impl SoupNodes {
             soup::touches(
                 near,
                 place,
-                frame.axes.transpose() * (slip + gain) * site.reach.h,
+                frame.axes.transpose() * slip * site.reach.h,
                 *side,
                 target.skin,
                 reach,

@@ -33,6 +33,14 @@ pub(crate) struct Forces<S> {
     pub damping: Vec<Lanes<S>>,
 }
 
+impl<S: Scalar> Force<S> {
+    /// Elastic and damping force.
+    #[inline(always)]
+    pub fn sum(&self) -> [S; 3] {
+        [0, 1, 2].map(|k| self.elastic[k] + self.damping[k])
+    }
+}
+
 impl<S: Scalar> Forces<S> {
     /// None yet on so many nodes.
     pub fn new(nodes: usize) -> Self {

@@ -8,7 +8,7 @@ use super::external::{External, ForceField};
 use super::fem::Part;
 use super::forces::{Commit, Forces, LimitEvent, dot, spring_forces, three};
 use super::gauge::Gauge;
-use super::integrate::{Integrator, acceleration, applied_at};
+use super::integrate::Integrator;
 use super::kernel::{self, Kernel, Totals, of_f32, of_f32_mut};
 use super::springs::{Rows, SpringTable};
 use super::stable::Rates;
@@ -197,14 +197,6 @@ impl<S: Scalar> Solver<S> {
     pub(crate) fn applied_force(&self, node: usize) -> DVec3 {
         let applied = self.applied.get(node);
         applied.map_or(DVec3::ZERO, |a| DVec3::from_array(a.map(Scalar::f64)))
-    }
-
-    /// Acceleration of a node by gravity and the forces at the last evaluation \[m/s²\].
-    pub(crate) fn acceleration(&self, state: &State<S>, node: usize) -> DVec3 {
-        let (p, forces) = (&state.particles[node], &self.forces.at(node));
-        let applied = applied_at(&self.applied, node);
-        let a = acceleration(p, forces, applied, self.external.gravity);
-        DVec3::from_array(a.map(Scalar::f64))
     }
 
     /// Force of springs and elements on a node at the last evaluation, damping left out \[N\].

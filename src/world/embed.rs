@@ -64,6 +64,7 @@ impl Deformable {
             solver,
             ..
         } = self;
+        let forces = &solver.forces;
         let carrier = |bindings| Carrier {
             body,
             nodes: state,
@@ -74,7 +75,7 @@ impl Deformable {
                 state,
                 topology,
                 carrier: carrier(None),
-                solver,
+                forces,
             },
             Some(e) => {
                 let Embedded {
@@ -84,7 +85,7 @@ impl Deformable {
                     state,
                     topology,
                     carrier: carrier(Some(&e.bindings)),
-                    solver,
+                    forces,
                 }
             }
         };

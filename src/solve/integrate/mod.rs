@@ -125,7 +125,7 @@ impl Integrator {
 
 /// Acceleration of a node \[m/s²\]; 0 for a pinned one.
 #[inline(always)]
-pub(super) fn acceleration<S: Scalar>(
+fn acceleration<S: Scalar>(
     p: &Particle<S>,
     f: &Force<S>,
     applied: [S; 3],
@@ -214,6 +214,6 @@ impl<S: Scalar> Sums<S> {
 
 /// The force applied to node `i` from outside, 0 where there is none.
 #[inline(always)]
-pub(super) fn applied_at<S: Scalar>(applied: &[[S; 3]], i: usize) -> [S; 3] {
+fn applied_at<S: Scalar>(applied: &[[S; 3]], i: usize) -> [S; 3] {
     applied.get(i).copied().unwrap_or([S::ZERO; 3])
 }
